@@ -116,7 +116,21 @@ def plans() -> list[Answer]:
         certified("where a body stands",
                   ["stance", example("standing.xml"), "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held"],
                   ["--model", example("standing.xml")], "standing.json"),
+        certified("a hull around a mesh",
+                  ["recover", "--mesh", "bone.off", "--primitives", "2", "--outside", "--no-proof", "-o", "hull.json"],
+                  ["--model", "hull.json", "--mesh", "bone.off"], "containment.json"),
     ]
+
+
+def answers_of_examples() -> list[Answer]:
+    return maps() + pairs() + octrees() + plans()
+
+
+def takes_device(find: list[str]) -> bool:
+    """Whether these arguments of `verisq` may be followed by --device."""
+    if find[0] == "distance":
+        return "--poses" in find
+    return find[0] not in ("batch", "merge", "path", "stance", "surface")
 
 
 def write_points(name: str, count: int, low: list[float], high: list[float]) -> None:
@@ -165,10 +179,7 @@ def seconds(command: list[str]) -> tuple[int, float]:
 
 
 def is_proved(answer: Answer, build: pathlib.Path, device: list[str]) -> bool:
-    takes_device = answer.find[0] not in ("path", "stance")
-    if answer.find[0] == "distance" and "--poses" not in answer.find:
-        takes_device = False
-    status, to_find = seconds([str(build / "verisq"), *answer.find, *(device if takes_device else [])])
+    status, to_find = seconds([str(build / "verisq"), *answer.find, *(device if takes_device(answer.find) else [])])
     if status not in (0, 3):
         return False
     status, to_prove = seconds([str(build / "verisq-check"), *answer.check])
@@ -190,7 +201,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as scratch:
         os.chdir(scratch)
         write_inputs()
-        answers = [each for each in maps() + pairs() + octrees() + plans() if arguments.only in each.what]
+        answers = [each for each in answers_of_examples() if arguments.only in each.what]
         proved = [is_proved(each, build, device) for each in answers]
         os.chdir("/")
     print(f"\n{sum(proved)} of {len(proved)} answers proved again")

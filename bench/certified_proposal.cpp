@@ -2,7 +2,7 @@
 #include "bench/certified_proposal.hpp"
 
 #include "bench/approximate_motion.hpp"
-#include "verify/proof/pair_bounds.hpp"
+#include "verify/proof/pair_checker.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::bench {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/paper_tables.hpp"

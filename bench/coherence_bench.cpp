@@ -6,10 +6,10 @@
 #include <random>
 #include <string_view>
 #include <vector>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_file.hpp>
 
 #include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"

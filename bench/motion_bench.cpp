@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-#include <verisq/path_distance.hpp>
+#include <verisq/path.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/peer_fcl_continuous.hpp"

@@ -10,8 +10,8 @@
 #include "bench/benchmark_rows.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
-#include "host/octree/device_octree_front.hpp"
-#include "verify/sets/octree_cube.hpp"
+#include "host/maps/octree.hpp"
+#include "verify/search/octree_cube.hpp"
 
 namespace verisq::bench {
 namespace {

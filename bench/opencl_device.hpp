@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/opencl/opencl.hpp"
+#include "host/device/opencl.hpp"
 
 namespace verisq::bench {
 

@@ -5,7 +5,7 @@
 
 namespace verisq::bench {
 
-/// Counted along kernels/proposal.clh, contact.clh and superquadric.clh: + - * / sqrt are one operation, fma two; those
+/// Counted along kernels/proposal.clh and superquadric.clh: + - * / sqrt are one operation, fma two; those
 /// of binary32 count half, because a register holds twice as many; comparisons, min, max, selections and integer work
 /// are none. Change these when the kernels change.
 namespace operations {

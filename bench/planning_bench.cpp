@@ -9,8 +9,8 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <verisq/files.hpp>
 #include <verisq/fit.hpp>
-#include <verisq/model_file.hpp>
 
 #include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "host/batches/primitive_parameters.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::bench {
 namespace {
 
-// As host/batches/convex_distance.cpp launches it.
+// As host/device/device_model.cpp launches it.
 constexpr std::size_t points_of_vector_work_item = 2048;
 constexpr std::size_t scalar_group_size = 32;
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 #include <vector>
-#include <verisq/model_file.hpp>
+#include <verisq/files.hpp>
 
 #include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"
@@ -15,7 +15,7 @@
 #include "bench/points.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
-#include "host/fit/pose_objective.hpp"
+#include "host/plan/pose_search.hpp"
 
 namespace verisq::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <verisq/model.hpp>
 
 #include "bench/uniform_numbers.hpp"
-#include "verify/sets/bounding_box.hpp"
+#include "verify/search/set_tree.hpp"
 
 namespace verisq::bench {
 

@@ -12,11 +12,11 @@
 #include <ctime>
 #include <span>
 #include <vector>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
-#include "host/recovery/single_recovery.hpp"
-#include "host/recovery/superquadric_sample.hpp"
-#include "host/recovery/surface_distance.hpp"
+#include "host/prepare/superquadric_fit.hpp"
+#include "host/prepare/surface_distance.hpp"
+#include "host/prepare/surface_samples.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/recovery/synthetic_cloud.hpp"
 

@@ -12,9 +12,9 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/files.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
-#include <verisq/model_file.hpp>
 
 #include "bench/random_starts.hpp"
 #include "bench/uniform_numbers.hpp"

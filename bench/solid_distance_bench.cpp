@@ -7,8 +7,8 @@
 #include <deque>
 #include <string>
 #include <vector>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/query_rows.hpp"

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/published_method.hpp>
 
 #include "bench/certified_proposal.hpp"
 #include "bench/peer_fcl_libccd.hpp"

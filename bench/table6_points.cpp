@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <memory>
-#include <verisq/published_method.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "bench/certified_proposal.hpp"
 #include "bench/peer_fcl_libccd.hpp"

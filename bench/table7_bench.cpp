@@ -3,8 +3,7 @@
 
 #include <chrono>
 #include <optional>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_search.hpp>
+#include <verisq/distance.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/paper_tables.hpp"

@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/files.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/point_file.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/scratch_folder.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 #include <vector>
-#include <verisq/triangle_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/paper_tables.hpp"

@@ -17,6 +17,8 @@ add_custom_command(OUTPUT "${pages}.stamp"
                    COMMAND ${CMAKE_COMMAND} -E touch "${pages}.stamp"
                    DEPENDS ${page_targets} ${page_writers} COMMENT "Writing manual pages and completions" VERBATIM)
 add_custom_target(verisq_pages ALL DEPENDS "${pages}.stamp")
+# What `./run build` builds can be installed: the pages are installed with the programs.
+add_dependencies(verisq_programs verisq_pages)
 
 set(VERISQ_ZSH_COMPLETIONS_DIR "${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions" CACHE STRING
     "Where zsh looks for completions, below the prefix (Debian's packages: share/zsh/vendor-completions)")

@@ -5,12 +5,11 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/verisq")
 
 # From what a program is linked with to what it needs.
-set(core_libraries verisq_core verisq_verify verisq_readers verisq_placement verisq_bend_range verisq_proof
-                   verisq_proposals)
+set(core_libraries verisq_core verisq_verify verisq_writers verisq_readers verisq_proof verisq_proposals)
 if(NOT BUILD_SHARED_LIBS)
   list(APPEND core_libraries verisq_opencl)
 endif()
-set(other_libraries verisq_report verisq_fit verisq_files verisq_map_readers)
+set(other_libraries verisq_report verisq_plan verisq_stance verisq_files verisq_map_readers)
 set(libraries ${other_libraries} ${core_libraries})
 set(programs verisq_program verisq_check)
 if(TARGET verisq_surface)
@@ -24,8 +23,6 @@ set_target_properties(${libraries} PROPERTIES VERSION ${PROJECT_VERSION} DEFINE_
                                               SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(BUILD_SHARED_LIBS)
   verisq_export_public_symbols(${libraries})
-  # It calls nothing of the C library itself; lintian takes a library that does not need it for a broken one.
-  target_link_options(verisq_bend_range PRIVATE LINKER:--no-as-needed)
   # Wherever all of it is moved to.
   file(RELATIVE_PATH from_programs "/${CMAKE_INSTALL_BINDIR}" "/${CMAKE_INSTALL_LIBDIR}")
   set_target_properties(${libraries} PROPERTIES INSTALL_RPATH "$ORIGIN")
@@ -49,15 +46,14 @@ if(TARGET verisq_mpi)
   install(TARGETS verisq_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mpi)
 endif()
 install(DIRECTORY include/verisq DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-        PATTERN surface.hpp EXCLUDE PATTERN label_surface.hpp EXCLUDE PATTERN canal.hpp EXCLUDE)
+        PATTERN surface.hpp EXCLUDE)
 install(EXPORT verisqTargets NAMESPACE verisq:: DESTINATION ${package_dir} COMPONENT development)
 
 # What is linked with CGAL, in files of its own.
 if(TARGET verisq_surface)
   verisq_install_libraries(verisqSurfaceTargets surface surface_development verisq_surface)
   install(TARGETS verisq_surface_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT surface)
-  install(FILES include/verisq/surface.hpp include/verisq/label_surface.hpp include/verisq/canal.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/verisq
-          COMPONENT surface_development)
+  install(FILES include/verisq/surface.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/verisq COMPONENT surface_development)
   install(EXPORT verisqSurfaceTargets NAMESPACE verisq:: DESTINATION ${package_dir} COMPONENT surface_development)
 endif()
 
@@ -89,12 +85,14 @@ verisq_install_pc(verisq-core "${PROJECT_DESCRIPTION}: models, distances, maps" 
                   OWN ${core_libraries} REQUIRES mpfr fmt LIBS -lgmp -ldl -pthread -lstdc++ -lm)
 verisq_install_pc(verisq-files "${PROJECT_DESCRIPTION}: files in XML, volumes" "verisq-core ${same}" development
                   OWN verisq_files verisq_map_readers REQUIRES pugixml zlib)
-verisq_install_pc(verisq-fit "${PROJECT_DESCRIPTION}: fits" "verisq-core ${same}" development
-                  OWN verisq_fit REQUIRES nlopt)
+verisq_install_pc(verisq-plan "${PROJECT_DESCRIPTION}: fits, insertions, features" "verisq-core ${same}" development
+                  OWN verisq_plan REQUIRES nlopt)
+verisq_install_pc(verisq-stance "${PROJECT_DESCRIPTION}: human stance" "verisq-core ${same}" development
+                  OWN verisq_stance)
 verisq_install_pc(verisq-report "${PROJECT_DESCRIPTION}: pages and pictures" "verisq-core ${same}" development
                   OWN verisq_report REQUIRES cairo)
 verisq_install_pc(verisq "${PROJECT_DESCRIPTION}"
-                  "verisq-report ${same} verisq-fit ${same} verisq-files ${same}" development)
+                  "verisq-report ${same} verisq-plan ${same} verisq-stance ${same} verisq-files ${same}" development)
 if(TARGET verisq_surface)
   verisq_install_pc(verisq-surface "${PROJECT_DESCRIPTION}: surfaces by CGAL (GPL)" "verisq ${same}"
                     surface_development OWN verisq_surface)

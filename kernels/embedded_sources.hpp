@@ -25,7 +25,7 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_tapered_pose_objective_sources();
 
 /// Of programs for models with bends or set operations: the layers, those of models with tapered primitives, and
-/// kernels that call functions of the model's own tree, which come last (host/batches/model_source.hpp).
+/// kernels that call functions of the model's own tree, which come last (host/device/solid_model.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();
 [[nodiscard]] std::string_view embedded_tapered_solid_layers();
 [[nodiscard]] std::string_view embedded_bent_distance();

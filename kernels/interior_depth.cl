@@ -6,7 +6,7 @@
 // hull of q and the corners, hence in K. Directions of the octant suffice: the gauge is monotone in each |coordinate|
 // and |q + v| <= q + |v|. The gap of a cell of radius r is about t r^2 / 2, whatever the curvature of K: about the
 // nearest tangent plane's normal, where there is little room, a cap of directions is proven otherwise
-// (contained_cap.clh), and cells in it are passed over.
+// (interior.clh), and cells in it are passed over.
 //
 // Upper bounds of the depth: the tangent plane at any boundary point. Cells proven for some t stay proven when a nearer
 // plane lowers t. A work-item owns a block of points; each of its lanes takes the block's next open point when it has

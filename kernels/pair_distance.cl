@@ -1,3 +1,217 @@
+// This layer proposes the closest points of two superquadrics (docs/mathematics.md §7). Like projection.clh it proves
+// nothing.
+//
+// The midpoint m of the shortest segment minimises half the squared distance to A plus that to B, which is convex:
+// there the vectors from the two closest points cancel. Where A and B overlap, the minima are their common points.
+
+// B in the frame of A: a point x of B is at rotation x + centre.
+typedef struct {
+  matrix3 rotation;
+  vector3 centre;
+} relative_pose;
+
+// A symmetric matrix: Hessians stay alive through the search, where every number counts.
+typedef struct {
+  real xx, xy, xz, yy, yz, zz;
+} symmetric3;
+
+ALWAYS_INLINE matrix3 full_matrix(symmetric3 h) {
+  const matrix3 m = {{h.xx, h.xy, h.xz}, {h.xy, h.yy, h.yz}, {h.xz, h.yz, h.zz}};
+  return m;
+}
+
+// R H R^T
+ALWAYS_INLINE symmetric3 turned_matrix(matrix3 rotation, symmetric3 h) {
+  const matrix3 rows = product(rotation, full_matrix(h));
+  const symmetric3 t = {dot_nearest(rows.x, rotation.x), dot_nearest(rows.x, rotation.y),
+                        dot_nearest(rows.x, rotation.z), dot_nearest(rows.y, rotation.y),
+                        dot_nearest(rows.y, rotation.z), dot_nearest(rows.z, rotation.z)};
+  return t;
+}
+
+// a H + b v v^T
+ALWAYS_INLINE symmetric3 with_square(real a, symmetric3 h, real b, vector3 v) {
+  const vector3 w = {b * v.x, b * v.y, b * v.z};
+  const symmetric3 m = {fma(a, h.xx, w.x * v.x), fma(a, h.xy, w.x * v.y), fma(a, h.xz, w.x * v.z),
+                        fma(a, h.yy, w.y * v.y), fma(a, h.yz, w.y * v.z), fma(a, h.zz, w.z * v.z)};
+  return m;
+}
+
+// The midpoint and what both solids say there, in the frame of A.
+typedef struct {
+  vector3 point;
+  vector3 from_a, from_b;     // vectors from their closest points
+  real value_a, value_b;      // half their squares
+  symmetric3 hessian_a, hessian_b;
+  integer inside_a, inside_b;
+  log_unknowns unknowns_a, unknowns_b;
+} midpoint_probe;
+
+ALWAYS_INLINE symmetric3 hessian_of(distance_probe at, MODEL_SPACE const superquadric* s) {
+  const vector3 ex = {REAL(1.0), REAL(0.0), REAL(0.0)};
+  const vector3 ey = {REAL(0.0), REAL(1.0), REAL(0.0)};
+  const vector3 ez = {REAL(0.0), REAL(0.0), REAL(1.0)};
+  const vector3 x = hessian_times(at, ex, s);
+  const vector3 y = hessian_times(at, ey, s);
+  const symmetric3 h = {x.x, x.y, x.z, y.y, y.z, hessian_times(at, ez, s).z};
+  return h;
+}
+
+ALWAYS_INLINE midpoint_probe midpoint_at(vector3 m, distance_probe a, distance_probe b, relative_pose pose,
+                                         MODEL_SPACE const superquadric* solid_a,
+                                         MODEL_SPACE const superquadric* solid_b) {
+  midpoint_probe p;
+  p.point = m;
+  p.from_a = a.gradient;
+  p.from_b = matrix_times(pose.rotation, b.gradient);
+  p.value_a = a.value;
+  p.value_b = b.value;
+  p.hessian_a = hessian_of(a, solid_a);
+  p.hessian_b = turned_matrix(pose.rotation, hessian_of(b, solid_b));
+  p.inside_a = a.inside;
+  p.inside_b = b.inside;
+  p.unknowns_a = a.closest.unknowns;
+  p.unknowns_b = b.closest.unknowns;
+  return p;
+}
+
+ALWAYS_INLINE symmetric3 select_matrix(symmetric3 a, symmetric3 b, integer take_b) {
+  const symmetric3 m = {select(a.xx, b.xx, take_b), select(a.xy, b.xy, take_b), select(a.xz, b.xz, take_b),
+                        select(a.yy, b.yy, take_b), select(a.yz, b.yz, take_b), select(a.zz, b.zz, take_b)};
+  return m;
+}
+
+ALWAYS_INLINE midpoint_probe select_midpoint(midpoint_probe a, midpoint_probe b, integer take_b) {
+  midpoint_probe p;
+  p.point = select_vector(a.point, b.point, take_b);
+  p.from_a = select_vector(a.from_a, b.from_a, take_b);
+  p.from_b = select_vector(a.from_b, b.from_b, take_b);
+  p.value_a = select(a.value_a, b.value_a, take_b);
+  p.value_b = select(a.value_b, b.value_b, take_b);
+  p.hessian_a = select_matrix(a.hessian_a, b.hessian_a, take_b);
+  p.hessian_b = select_matrix(a.hessian_b, b.hessian_b, take_b);
+  p.inside_a = select_mask(a.inside_a, b.inside_a, take_b);
+  p.inside_b = select_mask(a.inside_b, b.inside_b, take_b);
+  p.unknowns_a = select_unknowns(a.unknowns_a, b.unknowns_a, take_b);
+  p.unknowns_b = select_unknowns(a.unknowns_b, b.unknowns_b, take_b);
+  return p;
+}
+
+// Gradient and Hessian of one solid's share in the function.
+typedef struct {
+  vector3 gradient;
+  symmetric3 hessian;
+} newton_terms;
+
+// Of half the square of distance + depth instead of the distance: the minima are the same, but Newton's method does not
+// stop on the surface of solids that overlap. Nothing inside.
+ALWAYS_INLINE newton_terms terms_aimed_inside(vector3 v, real value, symmetric3 h, integer inside, real depth) {
+  const real squared = fmax(2.0 * value, SMALLEST_NORMAL);
+  const real part = depth / sqrt(squared);
+  const symmetric3 aimed = with_square(1.0 + part, h, -part / squared, v);
+  const vector3 zero = {REAL(0.0), REAL(0.0), REAL(0.0)};
+  const symmetric3 flat = {REAL(0.0), REAL(0.0), REAL(0.0), REAL(0.0), REAL(0.0), REAL(0.0)};
+  const vector3 gradient = {(1.0 + part) * v.x, (1.0 + part) * v.y, (1.0 + part) * v.z};
+  newton_terms terms;
+  terms.gradient = select_vector(gradient, zero, inside);
+  terms.hessian = select_matrix(aimed, flat, inside);
+  return terms;
+}
+
+#define PAIR_ROUNDS 64
+// Converged when the vectors cancel but for this part of their length.
+#define CANCELLED 1e-11
+// How deep a step aims: this part of the distance between the solids, and no less than that of their inradius.
+#define AIMED_OVERSHOOT 0.25
+#define SMALLEST_AIMED_DEPTH 1e-6
+
+// The step of Newton's method, its Hessian blended by `blend` towards the bound 2 of that of the sum.
+ALWAYS_INLINE vector3 midpoint_step(midpoint_probe at, real depth, real blend) {
+  const newton_terms a = terms_aimed_inside(at.from_a, at.value_a, at.hessian_a, at.inside_a, depth);
+  const newton_terms b = terms_aimed_inside(at.from_b, at.value_b, at.hessian_b, at.inside_b, depth);
+  const real rest = 1.0 - blend;
+  const real bound = 2.0 * blend;
+  const symmetric3 h = {fma(rest, a.hessian.xx + b.hessian.xx, bound), rest * (a.hessian.xy + b.hessian.xy),
+                        rest * (a.hessian.xz + b.hessian.xz),          fma(rest, a.hessian.yy + b.hessian.yy, bound),
+                        rest * (a.hessian.yz + b.hessian.yz),          fma(rest, a.hessian.zz + b.hessian.zz, bound)};
+  return solve_symmetric(full_matrix(h), vector_sum(a.gradient, b.gradient));
+}
+
+// |vector from A + vector from B|: 0 at the midpoint.
+ALWAYS_INLINE real imbalance(midpoint_probe p) {
+  const vector3 sum = vector_sum(p.from_a, p.from_b);
+  return sqrt(dot_nearest(sum, sum));
+}
+
+#define SAME_PAIR_VALUE 1e-13
+#define SMALLEST_BLEND 1e-13
+
+// The part of the way from the centre along x that lies in the solid, about.
+ALWAYS_INLINE real reach_along(vector3 x, MODEL_SPACE const superquadric* s) {
+  const vector3 log_x = {log_or_lowest(fabs(x.x)), log_or_lowest(fabs(x.y)), log_or_lowest(fabs(x.z))};
+  return exp_nearest(clamp(-log_gauge_nearest(log_x, s), EXP_LOWEST, 0.0));
+}
+
+// Between the centres, where the radial projections leave the gap in the middle.
+ALWAYS_INLINE vector3 midpoint_start(relative_pose pose, MODEL_SPACE const superquadric* solid_a,
+                                     MODEL_SPACE const superquadric* solid_b) {
+  const vector3 c = pose.centre;
+  const real reach_b = reach_along(transposed_times(pose.rotation, c), solid_b);
+  const real middle = 0.5 * (1.0 + reach_along(c, solid_a) - reach_b);
+  const vector3 start = {middle * c.x, middle * c.y, middle * c.z};
+  return start;
+}
+
+ALWAYS_INLINE vector3 in_frame_of_b(vector3 m, relative_pose pose) {
+  return transposed_times(pose.rotation, vector_difference(m, pose.centre));
+}
+
+ALWAYS_INLINE midpoint_probe pair_contact(relative_pose pose, MODEL_SPACE const superquadric* solid_a,
+                                          MODEL_SPACE const superquadric* solid_b) {
+  const vector3 start = midpoint_start(pose, solid_a, solid_b);
+  const vector3 start_of_b = in_frame_of_b(start, pose);
+  midpoint_probe best =
+      midpoint_at(start, first_probe(start, solid_a), first_probe(start_of_b, solid_b), pose, solid_a, solid_b);
+  const real smallest_depth = REAL(SMALLEST_AIMED_DEPTH * fmin(solid_a->inradius_down, solid_b->inradius_down));
+  real blend = REAL(SMALLEST_BLEND);
+  for (int round = 0; round < PAIR_ROUNDS; ++round) {
+    const integer common = best.inside_a & best.inside_b;
+    const real value = best.value_a + best.value_b;
+    const integer converged = common | MASK(imbalance(best) <= CANCELLED * sqrt(value));
+    const int aimed = round & 1; // every other round: far from the minimum such a step may gain nothing
+    const real distance = sqrt(2.0 * best.value_a) + sqrt(2.0 * best.value_b);
+    const real depth = aimed ? fma(REAL(AIMED_OVERSHOOT), distance, smallest_depth) : REAL(0.0);
+    const vector3 step = midpoint_step(best, depth, blend);
+    const vector3 m = select_vector(vector_difference(best.point, step), best.point, common);
+    const vector3 m_of_b = in_frame_of_b(m, pose);
+    const midpoint_probe next = midpoint_at(m, next_probe(m, best.unknowns_a, solid_a),
+                                            next_probe(m_of_b, best.unknowns_b, solid_b), pose, solid_a, solid_b);
+    const real next_value = next.value_a + next.value_b;
+    const integer better = ~common & (MASK(next_value < value) | (MASK(next_value <= value * (1.0 + SAME_PAIR_VALUE)) &
+                                                                  MASK(imbalance(next) < imbalance(best))));
+    best = select_midpoint(best, next, better);
+    const real more = aimed ? blend : fmin(fmax(4.0 * blend, REAL(0.05)), REAL(1.0));
+    blend = select(more, fmax(0.1 * blend, REAL(SMALLEST_BLEND)), better);
+    if (!any(~converged)) break;
+  }
+  return best;
+}
+
+// The vector from A's closest point to B's, extrapolated by the step that is left: each solid's own vector then stays
+// one of its normals, which matters where it is nearly flat.
+ALWAYS_INLINE vector3 separation_of(midpoint_probe p) {
+  const vector3 step = midpoint_step(p, REAL(0.0), REAL(SMALLEST_BLEND));
+  const vector3 change_a = matrix_times(full_matrix(p.hessian_a), step);
+  const vector3 change_b = matrix_times(full_matrix(p.hessian_b), step);
+  const vector3 half_a = vector_difference(p.from_a, change_a);
+  const vector3 half_b = vector_difference(p.from_b, change_b);
+  const vector3 v = vector_difference(half_a, half_b);
+  const vector3 plain = vector_difference(p.from_a, p.from_b);
+  const integer usable = MASK(isfinite(v.x)) & MASK(isfinite(v.y)) & MASK(isfinite(v.z)) &
+                         MASK(dot_nearest(step, step) <= 1e-4 * (p.value_a + p.value_b));
+  return select_vector(plain, v, usable);
+}
+
 // This file implements the enclosure of the distance of two superquadrics, the second moved by a pose
 // (docs/mathematics.md §7), 0 where they meet.
 //

@@ -1,7 +1,16 @@
 // This file implements the objective of a fit (paper Eq. (4)) for many candidates at once: signed distances of all
 // points to each candidate, the sum of weight * f(distance), its gradient by the candidate's pose and semi-axes, and an
-// upper bound of the sum over a cell of poses. Floating point: nothing here is proven. It stands behind one of the two
-// layers that say what the distance to a primitive is, untapered_primitive.clh or tapered_distance_gradient.clh.
+// upper bound of the sum over a cell of poses. Floating point: nothing here is proven. Where primitives are tapered,
+// tapered_distance_gradient.clh before it says what the distance to one is.
+
+#ifndef CANDIDATES_ARE_TAPERED
+// By how much the widest section is larger than that in the middle.
+ALWAYS_INLINE double widening_of(MODEL_SPACE const superquadric* s) { return 1.0; }
+
+ALWAYS_INLINE signed_distance primitive_distance_at(vector3 q, integer wanted, MODEL_SPACE const superquadric* s) {
+  return signed_distance_at(q, wanted, s);
+}
+#endif
 
 // The signed distance to a union, in the cavity's frame and unit.
 typedef struct {
@@ -93,7 +102,7 @@ ALWAYS_INLINE union_distance union_distance_at(vector3 x, MODEL_SPACE const scal
   return least;
 }
 
-// f of include/verisq/fitness.hpp and its derivative.
+// f of include/verisq/clearance.hpp and its derivative.
 typedef struct {
   real value, slope;
 } fitness;

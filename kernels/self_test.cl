@@ -8,7 +8,7 @@ kernel void apply_operation(uint operation, ulong groups, global const double* a
   const real b = LOAD(group, bs);
   const real c = LOAD(group, cs);
   real result = REAL(NAN);
-  switch (operation) { // numbered as in host/arithmetic/self_test.cpp
+  switch (operation) { // numbered as in host/device/self_test.cpp
     case 0: result = a + b; break;
     case 1: result = a - b; break;
     case 2: result = a * b; break;
@@ -53,7 +53,7 @@ kernel void apply_interval_operation(uint operation, ulong groups, global const 
   const interval a = interval_of(LOAD(group, as_lo), LOAD(group, as_hi));
   const interval b = interval_of(LOAD(group, bs_lo), LOAD(group, bs_hi));
   interval result = interval_entire();
-  switch (operation) { // numbered as in host/arithmetic/interval_operations.cpp
+  switch (operation) { // numbered as in host/device/sample_operations.cpp
     case 0: result = interval_neg(a); break;
     case 1: result = interval_abs(a); break;
     case 2: result = interval_square(a); break;

@@ -8,7 +8,7 @@
 // remembered: nothing is ever dropped without it. The upper bound is the distance of a point that is proven to lie
 // strictly in the target.
 //
-// The functions of the model's own tree (host/batches/model_source) come after this file.
+// The functions of the model's own tree (host/device/solid_model) come after this file.
 
 #define CHILDREN 8
 #define CHILD_BITS 3

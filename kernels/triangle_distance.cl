@@ -1,3 +1,184 @@
+// This layer proposes where a triangle comes closest to a superquadric (docs/mathematics.md §6). Like projection.clh it
+// proves nothing.
+//
+// Half the squared distance of a point of the triangle t(w) = t0 + w1 e1 + w2 e2 to the solid is convex in w, its
+// gradient is v.e_i with v the vector from the closest point, and its Hessian e_i.H e_j has 0 <= H <= 1: Newton's
+// method on the triangle, each step a quadratic program that has a closed form.
+
+typedef struct {
+  vector3 corner, edge1, edge2; // t0, t1 - t0, t2 - t0 in the primitive's frame, to nearest
+} local_triangle;
+
+// w1, w2 >= 0 with w1 + w2 <= 1.
+typedef struct {
+  real w1, w2;
+} triangle_weights;
+
+ALWAYS_INLINE vector3 point_of(local_triangle t, triangle_weights w) {
+  const vector3 p = {fma(w.w1, t.edge1.x, fma(w.w2, t.edge2.x, t.corner.x)),
+                     fma(w.w1, t.edge1.y, fma(w.w2, t.edge2.y, t.corner.y)),
+                     fma(w.w1, t.edge1.z, fma(w.w2, t.edge2.z, t.corner.z))};
+  return p;
+}
+
+// Gradient and Hessian of a function of the weights at some w.
+typedef struct {
+  real g1, g2, h11, h12, h22;
+} quadratic_model;
+
+ALWAYS_INLINE real clamp_unit(real x) { return clamp(x, 0.0, 1.0); } // NaN where x is
+
+// The least value over the triangle of the quadratic function with gradient (g1, g2) at w = 0 and a Hessian that is
+// positive semidefinite: inside where the Hessian is definite, else on the best of the three edges.
+ALWAYS_INLINE triangle_weights least_of(quadratic_model m) {
+  const real determinant = m.h11 * m.h22 - m.h12 * m.h12;
+  const real inverse = 1.0 / fmax(determinant, SMALLEST_NORMAL);
+  const real inner1 = (m.h12 * m.g2 - m.h22 * m.g1) * inverse;
+  const real inner2 = (m.h12 * m.g1 - m.h11 * m.g2) * inverse;
+  const integer inside = MASK(determinant > 1e-14 * m.h11 * m.h22) & MASK(inner1 > 0.0) & MASK(inner2 > 0.0) &
+                         MASK(inner1 + inner2 < 1.0);
+  const real on1 = clamp_unit(-m.g1 / fmax(m.h11, SMALLEST_NORMAL));
+  const real on2 = clamp_unit(-m.g2 / fmax(m.h22, SMALLEST_NORMAL));
+  const real along = clamp_unit((m.g1 - m.g2 + m.h11 - m.h12) / fmax(m.h11 - 2.0 * m.h12 + m.h22, SMALLEST_NORMAL));
+  const real value1 = on1 * (m.g1 + 0.5 * m.h11 * on1);
+  const real value2 = on2 * (m.g2 + 0.5 * m.h22 * on2);
+  const real opposite = 1.0 - along;
+  const real value3 = opposite * (m.g1 + 0.5 * m.h11 * opposite) + along * (m.g2 + 0.5 * m.h22 * along) +
+                      m.h12 * opposite * along;
+  const integer second = MASK(value2 < value1);
+  const integer third = MASK(value3 < fmin(value1, value2));
+  triangle_weights w;
+  w.w1 = select(select(select(on1, REAL(0.0), second), opposite, third), inner1, inside);
+  w.w2 = select(select(select(REAL(0.0), on2, second), along, third), inner2, inside);
+  return w;
+}
+
+// The same function with a changed Hessian: value and gradient at `at` stay.
+ALWAYS_INLINE quadratic_model changed_hessian(quadratic_model m, triangle_weights at, real h11, real h12, real h22) {
+  const quadratic_model changed = {m.g1 - (h11 * at.w1 + h12 * at.w2), m.g2 - (h12 * at.w1 + h22 * at.w2),
+                                   m.h11 + h11, m.h12 + h12, m.h22 + h22};
+  return changed;
+}
+
+// The point of the triangle nearest to the centre where lengths are measured in semi-axes: where the search starts.
+ALWAYS_INLINE triangle_weights nearest_to_centre(local_triangle t, MODEL_SPACE const superquadric* s) {
+  const real x = REAL(s->inverse_axes_up[0]);
+  const real y = REAL(s->inverse_axes_up[1]);
+  const real z = REAL(s->inverse_axes_up[2]);
+  const vector3 c = {t.corner.x * x, t.corner.y * y, t.corner.z * z};
+  const vector3 e1 = {t.edge1.x * x, t.edge1.y * y, t.edge1.z * z};
+  const vector3 e2 = {t.edge2.x * x, t.edge2.y * y, t.edge2.z * z};
+  const quadratic_model m = {dot_nearest(c, e1), dot_nearest(c, e2), dot_nearest(e1, e1), dot_nearest(e1, e2),
+                             dot_nearest(e2, e2)};
+  return least_of(m);
+}
+
+ALWAYS_INLINE triangle_weights select_weights(triangle_weights a, triangle_weights b, integer take_b) {
+  const triangle_weights w = {select(a.w1, b.w1, take_b), select(a.w2, b.w2, take_b)};
+  return w;
+}
+
+// A point of the triangle and half its squared distance as a function of the weights.
+typedef struct {
+  triangle_weights weights;
+  vector3 vector;           // from the closest point of the solid; 0 inside
+  vector3 change1, change2; // of the vector with the weights: H e1, H e2
+  real value;
+  quadratic_model model;    // at w = 0
+  integer inside;
+  log_unknowns unknowns;    // of the closest point
+} contact_probe;
+
+ALWAYS_INLINE contact_probe contact_at(local_triangle t, triangle_weights w, distance_probe at,
+                                       MODEL_SPACE const superquadric* s) {
+  contact_probe c;
+  c.weights = w;
+  c.vector = at.gradient;
+  c.change1 = hessian_times(at, t.edge1, s);
+  c.change2 = hessian_times(at, t.edge2, s);
+  c.value = at.value;
+  c.model.h11 = dot_nearest(c.change1, t.edge1);
+  c.model.h12 = dot_nearest(c.change1, t.edge2);
+  c.model.h22 = dot_nearest(c.change2, t.edge2);
+  c.model.g1 = dot_nearest(c.vector, t.edge1) - (c.model.h11 * w.w1 + c.model.h12 * w.w2);
+  c.model.g2 = dot_nearest(c.vector, t.edge2) - (c.model.h12 * w.w1 + c.model.h22 * w.w2);
+  c.inside = at.inside;
+  c.unknowns = at.closest.unknowns;
+  return c;
+}
+
+ALWAYS_INLINE contact_probe select_contact(contact_probe a, contact_probe b, integer take_b) {
+  contact_probe c;
+  c.weights = select_weights(a.weights, b.weights, take_b);
+  c.vector = select_vector(a.vector, b.vector, take_b);
+  c.change1 = select_vector(a.change1, b.change1, take_b);
+  c.change2 = select_vector(a.change2, b.change2, take_b);
+  c.value = select(a.value, b.value, take_b);
+  c.model.g1 = select(a.model.g1, b.model.g1, take_b);
+  c.model.g2 = select(a.model.g2, b.model.g2, take_b);
+  c.model.h11 = select(a.model.h11, b.model.h11, take_b);
+  c.model.h12 = select(a.model.h12, b.model.h12, take_b);
+  c.model.h22 = select(a.model.h22, b.model.h22, take_b);
+  c.inside = select_mask(a.inside, b.inside, take_b);
+  c.unknowns = select_unknowns(a.unknowns, b.unknowns, take_b);
+  return c;
+}
+
+// What moving over the whole triangle can still gain at most, by convexity.
+ALWAYS_INLINE real promised_gain(local_triangle t, contact_probe p) {
+  const real g1 = dot_nearest(p.vector, t.edge1);
+  const real g2 = dot_nearest(p.vector, t.edge2);
+  return g1 * p.weights.w1 + g2 * p.weights.w2 - fmin(REAL(0.0), fmin(g1, g2));
+}
+
+// The Hessian less what makes Newton's method stop on the surface of the solid: of half the square of distance + depth
+// instead, whose minima are the same, so that a triangle that meets the solid is followed into it.
+ALWAYS_INLINE quadratic_model aimed_inside(local_triangle t, contact_probe p, real depth) {
+  const real g1 = dot_nearest(p.vector, t.edge1);
+  const real g2 = dot_nearest(p.vector, t.edge2);
+  const real distance = sqrt(2.0 * p.value);
+  const real part = depth / (fmax(2.0 * p.value, SMALLEST_NORMAL) * (distance + depth));
+  return changed_hessian(p.model, p.weights, -part * g1 * g1, -part * g1 * g2, -part * g2 * g2);
+}
+
+#define CONTACT_ROUNDS 24
+// Converged when the gain promised is this part of the squared distance: the step then taken leaves about its square.
+#define CONVERGED_GAIN 1e-12
+#define ROUNDING_GAIN 1e-14 // of distance times edge: below it there is nothing but rounding error
+#define SAME_VALUE 1e-13
+#define AIMED_DEPTH 0.0625  // of the inradius
+
+// Newton's method with the Hessian blended towards its upper bound, 1, after a step that gains nothing: with the bound
+// itself every step gains.
+ALWAYS_INLINE contact_probe triangle_contact(local_triangle t, MODEL_SPACE const superquadric* s) {
+  const quadratic_model bound = {REAL(0.0), REAL(0.0), dot_nearest(t.edge1, t.edge1), dot_nearest(t.edge1, t.edge2),
+                                 dot_nearest(t.edge2, t.edge2)};
+  const real rounding_gain = ROUNDING_GAIN * sqrt(fmax(bound.h11, bound.h22));
+  const real depth = REAL(AIMED_DEPTH * s->inradius_down);
+  const triangle_weights start = nearest_to_centre(t, s);
+  contact_probe best = contact_at(t, start, first_probe(point_of(t, start), s), s);
+  real blend = REAL(1e-14);
+  for (int round = 0; round < CONTACT_ROUNDS; ++round) {
+    const quadratic_model aimed = aimed_inside(t, best, depth);
+    const quadratic_model blended =
+        changed_hessian(aimed, best.weights, blend * (bound.h11 - aimed.h11), blend * (bound.h12 - aimed.h12),
+                        blend * (bound.h22 - aimed.h22));
+    const integer converged =
+        best.inside | MASK(promised_gain(t, best) <= 2.0 * CONVERGED_GAIN * best.value +
+                                                         rounding_gain * sqrt(2.0 * best.value));
+    const triangle_weights w = select_weights(least_of(blended), best.weights, best.inside);
+    const contact_probe next = contact_at(t, w, next_probe(point_of(t, w), best.unknowns, s), s);
+    // Where only rounding tells the values apart, the gain promised says which is nearer to the optimum.
+    const integer better = ~best.inside & (MASK(next.value < best.value) |
+                                           (MASK(next.value <= best.value * (1.0 + SAME_VALUE)) &
+                                            MASK(promised_gain(t, next) < promised_gain(t, best))));
+    best = select_contact(best, next, better);
+    blend = select(fmin(fmax(4.0 * blend, REAL(0.05)), REAL(1.0)), fmax(0.1 * blend, REAL(1e-14)), better);
+    if (!any(~converged)) break;
+  }
+  return best;
+}
+
 // This file implements the enclosure of the distance of triangles to one superquadric (docs/mathematics.md §6), 0 where
 // they meet.
 //

@@ -1,5 +1,5 @@
 (** A ball lies in a convex set that cones from its centre cover, each cut off by a face with corners in the set.
-    docs/mathematics.md §5; verify/proof/contained_ball.cpp, revolution.hpp, verify/search/inscribed_polyhedron.cpp,
+    docs/mathematics.md §5; verify/proof/contained_ball.cpp, revolution.hpp, verify/search/convex_primitive.cpp,
     kernels/interior_depth.cl and tapered_interior.clh rely on it. *)
 From Coq Require Import Reals Lra Psatz.
 From verisq Require Import vector signed_distance power norm superquadric.

@@ -1,6 +1,6 @@
 (** Signed distances are 1-Lipschitz, so that balls about a few points bound them on a whole triangle or mesh.
-    docs/mathematics.md §6 (bent solids and set operations), §20; verify/sets/triangle_branch_and_bound.hpp,
-    verify/deviation/triangle_piece.cpp rely on it. *)
+    docs/mathematics.md §6 (bent solids and set operations), §20; verify/search/solid_triangle_distance.hpp,
+    verify/proof/triangle_piece.cpp rely on it. *)
 From Coq Require Import Reals Lra Psatz.
 From verisq Require Import vector signed_distance certificate.
 Open Scope R_scope.

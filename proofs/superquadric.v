@@ -1,5 +1,5 @@
 (** A superquadric is the unit ball of a norm g, and the dual norm h is its support function. docs/mathematics.md §1,
-    §2, §5 (the shortcut through the centre); verify/proof/superquadric.cpp, mixed_norm.hpp, contained_ball.cpp and
+    §2, §5 (the shortcut through the centre); verify/solids/superquadric.cpp, mixed_norm.hpp, contained_ball.cpp and
     kernels/superquadric.clh rely on it. *)
 From Coq Require Import Reals Lra Psatz.
 From verisq Require Import vector signed_distance power norm certificate.

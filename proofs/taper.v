@@ -1,5 +1,5 @@
 (** A projective taper leaves a superquadric convex; its gauge about the focus and a bound of its support function.
-    docs/mathematics.md §18; verify/proof/superquadric.cpp, mixed_norm.hpp, kernels/tapered.clh,
+    docs/mathematics.md §18; verify/solids/superquadric.cpp, mixed_norm.hpp, kernels/tapered.clh,
     tapered_enclosure.clh, tapered_interior.clh and tapered_box_gauge.clh rely on it. *)
 From Coq Require Import Reals Lra Psatz.
 From verisq Require Import vector signed_distance power norm certificate superquadric contained_ball.

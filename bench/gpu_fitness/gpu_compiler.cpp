@@ -59,7 +59,7 @@ struct CodeGeneration {
   std::vector<std::string> options;
 };
 
-// As host/opencl/program.cpp has programs compiled, for one query a work-item; the assembly goes to `file`.
+// As host/device/program.cpp has programs compiled, for one query a work-item; the assembly goes to `file`.
 void compile(const KernelProgram& program, const CodeGeneration& code, const ScratchFolder& folder,
              const std::string& file) {
   const std::string source = folder.file("source.cl");

@@ -1,9 +1,9 @@
 /// This file lists the programs as host/batches, host/fit and host/octree build them.
 #include "bench/gpu_fitness/kernel_programs.hpp"
 
-#include <verisq/model_file.hpp>
+#include <verisq/files.hpp>
 
-#include "host/batches/model_source.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::bench {

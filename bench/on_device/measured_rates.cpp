@@ -5,8 +5,8 @@
 #include <array>
 #include <chrono>
 #include <span>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_file.hpp>
 #include <verisq/octree.hpp>
 
 #include "bench/paper_tables.hpp"
@@ -15,7 +15,7 @@
 #include "bench/query_stream.hpp"
 #include "bench/triangles.hpp"
 #include "host/device/device.hpp"
-#include "host/fit/pose_objective.hpp"
+#include "host/plan/pose_search.hpp"
 
 namespace verisq::bench {
 namespace {

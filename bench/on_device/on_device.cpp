@@ -13,7 +13,7 @@
 
 #include "bench/on_device/measured_rates.hpp"
 #include "bench/on_device/sampled_soundness.hpp"
-#include "host/command_line/json_value.hpp"
+#include "host/command_line/summaries.hpp"
 #include "host/device/device.hpp"
 
 namespace verisq::bench {

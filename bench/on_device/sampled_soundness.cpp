@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <span>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_file.hpp>
 #include <verisq/octree.hpp>
 
 #include "bench/paper_tables.hpp"

@@ -9,10 +9,9 @@
 #include <numbers>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/mesh_file.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/files.hpp>
 
 namespace {
 

@@ -3,9 +3,8 @@
 #include <cstddef>
 #include <cstdio>
 #include <span>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/mesh_file.hpp>
-#include <verisq/model_file.hpp>
 
 int main() {
   const verisq::Mesh mesh = verisq::read_mesh("examples/cavity.off");

@@ -1,7 +1,7 @@
 /// The distance of two models, one of them moved, and what is proven of it.
 #include <cstdio>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_file.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 
 int main() {
   const verisq::PairDistance distance(verisq::read_model("examples/capsule.json"),

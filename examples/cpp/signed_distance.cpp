@@ -1,7 +1,7 @@
 /// The signed distance of one point to a model, proven by the host alone.
 #include <cstdio>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 
 int main() {
   const verisq::SignedDistance distance(verisq::read_model("examples/soap.json"));

@@ -9,13 +9,11 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/model_search.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "host/errors/refusal.hpp"
 

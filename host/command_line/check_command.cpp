@@ -1,31 +1,363 @@
-/// Which kind of answer it is, and what it has to be given with.
+/// `verisq check`: reads what is to be proved again, and prints what was proved.
 #include "host/command_line/check_command.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
 #include <variant>
 #include <verisq/certificate_file.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map_file.hpp>
 
-#include "host/command_line/best_fit_check.hpp"
-#include "host/command_line/certificate_check.hpp"
-#include "host/command_line/check_summary.hpp"
-#include "host/command_line/contact_check.hpp"
-#include "host/command_line/deviation_check.hpp"
-#include "host/command_line/equilibrium_check.hpp"
-#include "host/command_line/features_check.hpp"
-#include "host/command_line/fit_check.hpp"
-#include "host/command_line/insertion_check.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/map_check.hpp"
-#include "host/command_line/octree_check.hpp"
-#include "host/command_line/path_check.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/whole_number.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
+#include "host/files/input_file.hpp"
 
 namespace verisq::command_line {
+namespace {
+
+double rows_per_second(const CheckReport& report) {
+  return report.seconds > 0.0 ? static_cast<double>(report.rows()) / report.seconds : 0.0;
+}
+
+std::string digits_of(const Point& point) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", point[0], point[1], point[2]);
+}
+
+std::string digits_of(const Triangle& triangle) {
+  return fmt::format("{}, {}, {}", digits_of(triangle[0]), digits_of(triangle[1]), digits_of(triangle[2]));
+}
+
+std::string readable(const MapDifference& falsified) {
+  const auto place = falsified.index ? fmt::format(", index {}", *falsified.index) : std::string();
+  return fmt::format("falsified {}{}\n  shown              {}\n  expected           {}\n", falsified.array, place,
+                     falsified.shown, falsified.expected);
+}
+
+JsonObject object_of(const MapDifference& falsified) {
+  return {{"array", falsified.array},
+          {"index", falsified.index},
+          {"shown", falsified.shown},
+          {"expected", falsified.expected}};
+}
+
+/// Of all rows, or of none; and not of a map that is another one's.
+bool tells_smallest(const CheckReport& report) {
+  return report.missing == 0 && report.refuted == 0 && !report.interrupted && std::isfinite(report.smallest.width());
+}
+
+bool comes_first(const CheckedRow& a, const CheckedRow& b) {
+  const bool a_refuted = a.finding.verdict == Verdict::refuted;
+  const bool b_refuted = b.finding.verdict == Verdict::refuted;
+  return a_refuted != b_refuted ? a_refuted : a.index < b.index;
+}
+
+}  // namespace
+
+void count(const CheckedRow& row, CheckReport& report) {
+  report.smallest = {std::min(report.smallest.lo, row.finding.proven.lo),
+                     std::min(report.smallest.hi, row.finding.proven.hi)};
+  report.unbounded += std::isfinite(row.claimed.width()) ? 0 : 1;
+  switch (row.finding.verdict) {
+    case Verdict::proved: ++report.proved; break;
+    case Verdict::refuted: ++report.refuted; break;
+    case Verdict::unproved: ++report.unproved; break;
+  }
+  if (row.finding.verdict == Verdict::proved) {
+    report.largest_width = std::max(report.largest_width, row.claimed.width());
+  } else if (!report.first || comes_first(row, *report.first)) {
+    report.first = row;
+  }
+}
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::proved: return "proved";
+    case Verdict::refuted: return "refuted";
+    case Verdict::unproved: break;
+  }
+  return "unproved";
+}
+
+std::string verdicts_in_words(std::string_view claims, const VerdictCounts& counts) {
+  std::string text = fmt::format("{:<21}{}\n", claims, counts.all());
+  text += fmt::format("  {:<19}{}\n", name_of(Verdict::proved), counts.proved);
+  text += fmt::format("  {:<19}{}\n", name_of(Verdict::refuted), counts.refuted);
+  return text + fmt::format("  {:<19}{}\n", name_of(Verdict::unproved), counts.unproved);
+}
+
+std::string reason(const Enclosure& claimed, const Finding& finding) {
+  const Enclosure& proven = finding.proven;
+  if (finding.verdict == Verdict::refuted) {
+    if (claimed.lo > claimed.hi) return "lo is above hi: no number lies between them";
+    if (proven.lo > claimed.hi) return fmt::format("hi is wrong: the exact distance is at least {:.17g}", proven.lo);
+    return fmt::format("lo is wrong: the exact distance is at most {:.17g}", proven.hi);
+  }
+  const bool lo_open = proven.lo < claimed.lo;
+  const bool hi_open = proven.hi > claimed.hi;
+  if (lo_open && hi_open) return "the certificate proves neither lo nor hi";
+  return fmt::format("the certificate does not prove {}", lo_open ? "lo" : "hi");
+}
+
+std::string unbounded_in_words(std::uint64_t count) {
+  if (count == 0) return {};
+  return fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", count);
+}
+
+std::string exact_text(const Enclosure& enclosure) {
+  return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
+}
+
+std::string verdicts_in_words(const CheckReport& report) {
+  return fmt::format("{:<21}{}\n", plural(report.elements), report.rows()) +
+         fmt::format("  proved             {}\n", report.proved) +
+         fmt::format("  refuted            {}\n", report.refuted) +
+         fmt::format("  unproved           {}\n", report.unproved) + unbounded_in_words(report.unbounded);
+}
+
+std::string readable(const CheckedRow& row, MapElements elements) {
+  const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
+  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
+                          row.index, position, reason(row.claimed, row.finding));
+  text += fmt::format("  claimed            {}\n", exact_text(row.claimed));
+  text += fmt::format("  proven             {}\n", exact_text(row.finding.proven));
+  return text;
+}
+
+JsonObject object_of(const CheckedRow& row, MapElements elements) {
+  return {{"verdict", name_of(row.finding.verdict)},
+          {"index", row.index},
+          {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
+          {"claimed", row.claimed},
+          {"proven", row.finding.proven},
+          {"reason", reason(row.claimed, row.finding)}};
+}
+
+std::string readable(const CheckReport& report) {
+  const auto units = units_behind(report.units);
+  std::string text = verdicts_in_words(report);
+  if (report.missing > 0) text += fmt::format("  missing            {} (the map ends before)\n", report.missing);
+  if (report.proved > 0)
+    text += fmt::format("largest width proved {}{}\n", upper_digits(report.largest_width, 3), units);
+  if (tells_smallest(report)) {
+    const bool meets = report.elements == MapElements::triangles && report.smallest.hi == 0.0;
+    text += fmt::format("smallest distance    {}{} of these {}{}, proved\n", exact_text(report.smallest), units,
+                        plural(report.elements), meets ? ", of which one meets the model" : "");
+  }
+  text += fmt::format("time                 {:.3g} s, {} {}/s\n", report.seconds, with_prefix(rows_per_second(report)),
+                      plural(report.elements));
+  text += fmt::format("map                  {}{}\n", quotation(report.map), mark_of_end(report.interrupted));
+  if (report.first) text += readable(*report.first, report.elements);
+  if (report.falsified) text += readable(*report.falsified);
+  return text;
+}
+
+JsonObject object_of(const CheckReport& report) {
+  return {
+      {plural(report.elements), report.rows()},
+      {"proved", report.proved},
+      {"refuted", report.refuted},
+      {"unproved", report.unproved},
+      {"missing", report.missing},
+      {"without_an_end", report.unbounded},
+      {"largest_width_proved", report.largest_width},
+      {"smallest_distance_proved", tells_smallest(report) ? JsonValue(report.smallest) : JsonValue()},
+      {"units", report.units},
+      {"seconds", report.seconds},
+      {fmt::format("{}_per_second", plural(report.elements)), rows_per_second(report)},
+      {"interrupted", report.interrupted},
+      {"map", report.map},
+      {"first", report.first ? object_of(*report.first, report.elements) : JsonValue()},
+      {"falsified", report.falsified ? object_of(*report.falsified) : JsonValue()},
+  };
+}
+
+std::string json(const CheckReport& report) {
+  return object_of(report).text() + "\n";
+}
+
+namespace {
+
+void refuse_other_count(std::span<const SubjectFile> expected, const CertificateCheckArguments& arguments) {
+  if (arguments.models.size() != expected.size()) {
+    refuse(fmt::format("{}: is about {} models: give a --model for each, in its order, not {}", arguments.certificate,
+                       expected.size(), arguments.models.size()));
+  }
+}
+
+void refuse_other_digest(const std::string& digest, const std::string& file, const char* what,
+                         const SubjectFile& expected, const std::string& certificate) {
+  if (digest == expected.sha256) return;
+  refuse(fmt::format("{}: {} is about another {}: its SHA-256 is {}, not {}", file, certificate, what, expected.sha256,
+                     digest));
+}
+
+struct CertificateReport {
+  std::string certificate;
+  std::vector<std::string> models;
+  std::string units;
+  Pose pose;
+  Enclosure claimed;
+  Finding finding;
+  double seconds;
+  bool ended_early;  ///< before it was judged
+};
+
+std::string reason_of(const CertificateReport& report) {
+  if (report.ended_early) return std::string(reason_of_end());
+  return report.finding.verdict == Verdict::proved ? std::string() : reason(report.claimed, report.finding);
+}
+
+std::string readable(const CertificateReport& report) {
+  const std::string units = units_behind(report.units);
+  std::string text =
+      fmt::format("verdict            {}\n", report.ended_early ? "not judged" : name_of(report.finding.verdict));
+  if (const std::string why = reason_of(report); !why.empty()) text += fmt::format("  reason           {}\n", why);
+  text += fmt::format("  claimed          {}{}\n", exact_text(report.claimed), units);
+  text += fmt::format("  proven           {}{}\n", exact_text(report.finding.proven), units);
+  if (!std::isfinite(report.claimed.hi)) text += "  WITHOUT AN END   nothing is claimed from above\n";
+  text += fmt::format("of                 the distance of two models\n");
+  for (const std::string& model : report.models) text += fmt::format("  model            {}\n", quotation(model));
+  text += fmt::format("  pose             {} of the second one: translation, quaternion\n", option_text(report.pose));
+  text += fmt::format("time               {:.3g} s\n", report.seconds);
+  return text +
+         fmt::format("certificate        {}{}\n", quotation(report.certificate), mark_of_end(report.ended_early));
+}
+
+std::string json(const CertificateReport& report) {
+  const std::string why = reason_of(report);
+  const JsonObject object{{"kind", "pair"},
+                          {"verdict", report.ended_early ? JsonValue() : JsonValue(name_of(report.finding.verdict))},
+                          {"claimed", report.claimed},
+                          {"proven", report.finding.proven},
+                          {"reason", why.empty() ? JsonValue() : JsonValue(why)},
+                          {"units", report.units},
+                          {"models", report.models},
+                          {"pose", report.pose},
+                          {"seconds", report.seconds},
+                          {"interrupted", report.ended_early},
+                          {"certificate", report.certificate}};
+  return object.text() + "\n";
+}
+
+void refuse_points(const CheckArguments& arguments) {
+  const auto refuse_option = [](const char* option) { refuse(fmt::format("{}: only with --map", option)); };
+  if (!arguments.inputs.mesh.empty()) refuse_option("--mesh");
+  if (!arguments.inputs.points.empty()) refuse_option("--points");
+  if (arguments.point_radius != 0.0) refuse_option("--point-radius");
+}
+
+}  // namespace
+
+TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
+                    const CertificateCheckArguments& arguments) {
+  refuse_other_count(subjects, arguments);
+  const auto model = [&](std::size_t i) {
+    return subject_model(arguments.models[i], subjects[i], arguments.certificate);
+  };
+  TwoModels models{model(0), model(1)};
+  const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
+  refuse_other_units(units, "models", stated_units, arguments.certificate);
+  return models;
+}
+
+void refuse_other_poses(const std::string& file, std::span<const Pose> poses, const std::string& certificate) {
+  if (file.empty()) return;
+  const std::vector<Pose> given = read_poses(file);
+  if (given.size() != poses.size())
+    refuse(fmt::format("{}: {} is of {} poses, not of {}", file, certificate, poses.size(), given.size()));
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    if (given[k].translation == poses[k].translation && given[k].quaternion == poses[k].quaternion) continue;
+    refuse(fmt::format("{}: {} is of other poses: pose {} is {}, not {}", file, certificate, k, option_text(poses[k]),
+                       option_text(given[k])));
+  }
+}
+
+std::string meant_in_words(const std::string& file, std::string_view way) {
+  if (!file.empty()) return fmt::format("  is that of         {}, pose by pose\n", quotation(file));
+  return fmt::format("  is it the {} that was meant? That is not proved, but for you to see, or by --poses\n", way);
+}
+
+std::string bytes_of(const std::string& file, const char* what, const SubjectFile& expected,
+                     const std::string& certificate) {
+  InputFile input{std::filesystem::path(file)};
+  std::string bytes(input.peek(std::numeric_limits<std::size_t>::max()));
+  refuse_other_digest(sha256(bytes), file, what, expected, certificate);
+  return bytes;
+}
+
+Model subject_model(const std::string& file, const SubjectFile& expected, const std::string& certificate) {
+  return parse_model(bytes_of(file, "model", expected, certificate), file);
+}
+
+Mesh subject_mesh(const std::string& file, const SubjectFile& expected, const std::string& certificate) {
+  return parse_mesh(bytes_of(file, "mesh", expected, certificate), file);
+}
+
+void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
+                       const std::string& certificate) {
+  refuse_other_digest(subject_file(file).sha256, file, what, expected, certificate);
+}
+
+void refuse_other_units(const std::string& units, const char* what, const std::string& stated,
+                        const std::string& certificate) {
+  if (units == stated) return;
+  refuse(fmt::format("{}: units = {}: are not those of the {}, {}", certificate, quotation(stated), what,
+                     quotation(units)));
+}
+
+CertificateCheckArguments arguments_of_two_models(const CheckArguments& arguments) {
+  if (arguments.models.empty()) refuse("--model is required");
+  if (!arguments.map.empty() || !arguments.surface_map.empty())
+    refuse(fmt::format("--map: {} is of two models, not of a map", arguments.certificate));
+  refuse_points(arguments);
+  if (arguments.inputs.pose) refuse("--pose: only with --map or --octree");
+  return {arguments.certificate, arguments.models, arguments.poses, arguments.json, arguments.ended};
+}
+
+ExitStatus run_check(const PairAnswer& answer, const CheckArguments& given) {
+  const CertificateCheckArguments arguments = arguments_of_two_models(given);
+  const auto [a, b] = models_of(answer.models, answer.units, arguments);
+  refuse_other_poses(arguments.poses, std::span(&answer.pose, 1), arguments.certificate);
+  const Stopwatch time;
+  watch_for_interruption();
+  const Finding finding = PairChecker(a, b)(answer.pose, answer.distance, answer.certificate, arguments.ended);
+  const bool ended_early = finding.verdict == Verdict::unproved && arguments.ended();
+  const CertificateReport report{arguments.certificate, arguments.models, answer.units,   answer.pose,
+                                 answer.distance,       finding,          time.seconds(), ended_early};
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (ended_early) return status_of_end();
+  const bool all = finding.verdict == Verdict::proved && std::isfinite(answer.distance.hi);
+  return all ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+ExitStatus run_check(const PoseAnswers& answers, const CheckArguments& given) {
+  const CertificateCheckArguments arguments = arguments_of_two_models(given);
+  const auto [a, b] = models_of(answers.models, answers.units, arguments);
+  std::vector<Pose> poses;
+  for (const PosedAnswer& answer : answers.answers) poses.push_back(answer.pose);
+  refuse_other_poses(arguments.poses, poses, arguments.certificate);
+  watch_for_interruption();
+  const PosesReport report = checked_poses(a, b, answers, arguments);
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (report.interrupted) return status_of_end();
+  const bool all = report.proved == answers.answers.size() && report.unbounded == 0;
+  return all ? ExitStatus::verified : ExitStatus::unverified;
+}
+
 namespace {
 
 constexpr const char* closing_words =
@@ -75,22 +407,8 @@ constexpr const char* closing_words =
 constexpr const char* example = "--model stem.json --mesh femur.off --map clearance.csv";
 
 ExitStatus status_of(const CheckReport& report) {
-  if (report.interrupted) return ExitStatus::interrupted;
-  return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
-}
-
-void refuse_points(const CheckArguments& arguments) {
-  const auto refuse_option = [](const char* option) { refuse(fmt::format("{}: only with --map", option)); };
-  if (!arguments.inputs.mesh.empty()) refuse_option("--mesh");
-  if (!arguments.inputs.points.empty()) refuse_option("--points");
-  if (arguments.point_radius != 0.0) refuse_option("--point-radius");
-}
-
-void refuse_what_certificates_lack(const CheckArguments& arguments) {
-  if (!arguments.map.empty() || !arguments.surface_map.empty())
-    refuse(fmt::format("--map: {} is of two models, not of a map", arguments.certificate));
-  refuse_points(arguments);
-  if (arguments.inputs.pose) refuse("--pose: only with --map or --octree");
+  if (report.interrupted) return status_of_end();
+  return report.rows() > 0 && report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 ExitStatus print(const CheckReport& report, const CheckArguments& arguments) {
@@ -116,20 +434,7 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
     refuse(fmt::format("--poses: {} is neither of a path, nor of a way in, nor of poses", arguments.certificate));
   if (!arguments.within.empty() && !std::holds_alternative<InsertionAnswer>(answer))
     refuse(fmt::format("--within: {} is of no way in", arguments.certificate));
-  if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
-  if (const auto* const best = std::get_if<BestFitAnswer>(&answer)) return run_best_fit_check(*best, arguments);
-  if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
-  if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
-    return run_deviation_check(*deviation, arguments);
-  if (const auto* const contact = std::get_if<ContactAnswer>(&answer)) return run_contact_check(*contact, arguments);
-  if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
-    return run_features_check(*features, arguments);
-  if (const auto* const standing = std::get_if<EquilibriumAnswer>(&answer))
-    return run_equilibrium_check(*standing, arguments);
-  if (arguments.models.empty()) refuse("--model is required");
-  refuse_what_certificates_lack(arguments);
-  if (const auto* const path = std::get_if<PathAnswer>(&answer)) return run_path_check(*path, arguments);
-  return run_certificate_check(answer, {arguments.certificate, arguments.models, arguments.poses, arguments.json});
+  return std::visit([&](const auto& kind) { return run_check(kind, arguments); }, answer);
 }
 
 }  // namespace
@@ -156,6 +461,7 @@ void declare_check(Options& options, CheckArguments& arguments) {
   options.add("--sample", arguments.sample, whole_number<std::uint64_t>(1), "NUMBER",
               "Of an --octree, so many cubes chosen at random (default: all)");
   options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER", "As the map was made with (default 0)");
+  add_time_limit(options, arguments.time_limit, "what was checked by then is printed");
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
@@ -172,16 +478,23 @@ ExitStatus run_check(const CheckArguments& given) {
   if (!given.poses.empty() && given.certificate.empty()) refuse("--poses: only with --certificate");
   if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   CheckArguments arguments = given;
+  Deadline limit(given.time_limit, interrupted);
+  limit.start();
+  arguments.ended = limit.stop();
   if (!given.models.empty()) arguments.inputs.model = given.models.front();
   if (!given.certificate.empty()) return check_certificate(arguments);
   if (given.models.empty()) refuse("--model is required");
   if (given.models.size() != 1) refuse("--model: give one, that of the --map or --octree");
   if (!given.octree.empty()) {
     refuse_points(given);
-    return run_octree_check(
-        {given.octree, given.models.front(), given.inputs.pose, given.sample, given.json, given.no_progress});
+    return run_octree_check({given.octree, given.models.front(), given.inputs.pose, given.sample, given.json,
+                             given.no_progress, arguments.ended});
   }
   return check_map_file(arguments);
+}
+
+Command check_command() {
+  return command("check", "Prove a finished map again from its certificates, without OpenCL", declare_check, run_check);
 }
 
 }  // namespace verisq::command_line

@@ -1,19 +1,34 @@
-/// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
-/// triangles, and the certificates, the answer of a certificate file, or an octree, without OpenCL.
+/// `verisq check`, which is also the program `verisq-check`: what is proved again, a file each, and the summaries of
+/// it.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
+#include <verisq/certificate_file.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
+#include <verisq/map_file.hpp>
+#include <verisq/model.hpp>
 
-#include "host/command_line/exit_status.hpp"
+#include "host/command_line/inputs.hpp"
 #include "host/command_line/options.hpp"
-#include "host/command_line/point_stream.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
 
 namespace verisq::command_line {
 
-/// As typed.
+// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
+// triangles, and the certificates, the answer of a certificate file, or an octree, without OpenCL.
+
+/// As typed, but for the last.
 struct CheckArguments {
   std::vector<std::string> models;  ///< of a map one, of a certificate those that it is about, in its order
   InputArguments inputs;            ///< all but the model
@@ -28,6 +43,8 @@ struct CheckArguments {
   double point_radius = 0.0;
   bool json = false;
   bool no_progress = false;
+  std::optional<double> time_limit;           ///< in seconds
+  std::function<bool()> ended = interrupted;  ///< whether the work is to end: by a signal, or the time limit
 };
 
 void declare_check(Options& options, CheckArguments& arguments);
@@ -35,5 +52,318 @@ void declare_check(Options& options, CheckArguments& arguments);
 /// `verified` only when every enclosure is proved. Throws Error(input) for what the user can correct, also for a map
 /// that has not one row for each point or triangle.
 ExitStatus run_check(const CheckArguments& given);
+
+// The summary of a checked map on the standard output: for people, or as one JSON object.
+
+/// An enclosure and what became of it.
+struct CheckedRow {
+  std::uint64_t index;
+  std::variant<Point, Triangle> element;
+  Enclosure claimed;
+  Finding finding;
+};
+
+struct CheckReport {
+  MapElements elements;
+  std::string map;    ///< its file
+  std::string units;  ///< of the model; empty when not given
+  std::uint64_t proved = 0;
+  std::uint64_t refuted = 0;
+  std::uint64_t unproved = 0;
+  std::uint64_t missing = 0;               ///< points or triangles without a row, in what an ended run left
+  std::uint64_t unbounded = 0;             ///< rows that claim nothing of an end, whatever became of them
+  double largest_width = 0.0;              ///< of the proved enclosures
+  Enclosure smallest{infinity, infinity};  ///< what all rows so far prove of the smallest distance
+  std::optional<CheckedRow> first;         ///< the first refuted row; without one, the first unproved
+  std::optional<MapDifference> falsified;  ///< something else that the map shows, and that is not so
+  double seconds = 0.0;                    ///< wall time from the first row to the last
+  bool interrupted = false;
+
+  [[nodiscard]] std::uint64_t rows() const { return proved + refuted + unproved; }
+  /// A row without an end claims nothing there, so that proving it is no success.
+  [[nodiscard]] bool all_proved() const { return refuted + unproved + missing + unbounded == 0 && !falsified; }
+};
+
+/// Adds a row, in any order.
+void count(const CheckedRow& row, CheckReport& report);
+
+/// "proved", "refuted", "unproved".
+[[nodiscard]] const char* name_of(Verdict verdict);
+
+/// How many claims became what.
+struct VerdictCounts {
+  std::size_t proved = 0;
+  std::size_t refuted = 0;
+  std::size_t unproved = 0;
+
+  [[nodiscard]] std::size_t all() const { return proved + refuted + unproved; }
+  [[nodiscard]] bool are_all_proved() const { return refuted + unproved == 0; }
+};
+
+/// Of anything with findings.
+template <class Claims, class FindingOf>
+[[nodiscard]] VerdictCounts counted(const Claims& claims, const FindingOf& finding_of) {
+  VerdictCounts counts;
+  for (const auto& claim : claims) {
+    switch (std::invoke(finding_of, claim).verdict) {
+      case Verdict::proved: ++counts.proved; break;
+      case Verdict::refuted: ++counts.refuted; break;
+      case Verdict::unproved: ++counts.unproved; break;
+    }
+  }
+  return counts;
+}
+
+/// A line each, under a line of all `claims`.
+[[nodiscard]] std::string verdicts_in_words(std::string_view claims, const VerdictCounts& counts);
+
+/// A line, of claims that have an infinite end; empty where there are none.
+[[nodiscard]] std::string unbounded_in_words(std::uint64_t count);
+
+/// Which end is wrong or open, and why. Precondition: not proved.
+[[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);
+
+/// 17 significant digits give back the same binary64.
+[[nodiscard]] std::string exact_text(const Enclosure& enclosure);
+
+/// How many rows, and how many of each verdict: a line each.
+[[nodiscard]] std::string verdicts_in_words(const CheckReport& report);
+
+/// Of the first refuted or unproved row.
+[[nodiscard]] std::string readable(const CheckedRow& row, MapElements elements);
+[[nodiscard]] JsonObject object_of(const CheckedRow& row, MapElements elements);
+
+[[nodiscard]] std::string readable(const CheckReport& report);
+
+/// JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] JsonObject object_of(const CheckReport& report);
+/// One line.
+[[nodiscard]] std::string json(const CheckReport& report);
+
+// `verisq check --certificate` of pairs and poses: proves the answer of a certificate file again.
+
+/// As typed.
+struct CertificateCheckArguments {
+  std::string certificate;
+  std::vector<std::string> models;  ///< in the order of the certificate
+  std::string poses;                ///< a file whose poses those of the certificate have to be; empty: any
+  bool json = false;
+  std::function<bool()> ended = {};  ///< as CheckArguments have it
+};
+
+/// A and B.
+using TwoModels = std::array<Model, 2>;
+
+/// Those that are given. Throws Error(input) unless they are the ones that the answer is about, in the units that it
+/// states.
+[[nodiscard]] TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
+                                  const CertificateCheckArguments& arguments);
+
+/// The bytes of the file, a `what`, read once: what is parsed of them is what the digest is of. Throws Error(input)
+/// unless the certificate is about them.
+[[nodiscard]] std::string bytes_of(const std::string& file, const char* what, const SubjectFile& expected,
+                                   const std::string& certificate);
+
+/// The model, or mesh, that these bytes state. Throw likewise, and for what is none.
+[[nodiscard]] Model subject_model(const std::string& file, const SubjectFile& expected, const std::string& certificate);
+[[nodiscard]] Mesh subject_mesh(const std::string& file, const SubjectFile& expected, const std::string& certificate);
+
+/// Throws likewise.
+void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
+                       const std::string& certificate);
+
+/// Throws Error(input) unless the file, if one is given, holds these poses in this order.
+void refuse_other_poses(const std::string& file, std::span<const Pose> poses, const std::string& certificate);
+
+/// Whether it is what the user meant, after that: a line that says who has to see to it. A `way`, or a path.
+[[nodiscard]] std::string meant_in_words(const std::string& file, std::string_view way);
+
+/// Throws Error(input) unless the units of what is given, `what`, are those that the certificate states.
+void refuse_other_units(const std::string& units, const char* what, const std::string& stated,
+                        const std::string& certificate);
+
+/// Throws Error(input) where no model is given, or an option that an answer about two models has no use for.
+[[nodiscard]] CertificateCheckArguments arguments_of_two_models(const CheckArguments& arguments);
+
+/// `verified` only when the answer is proved. Throws Error(input) for what the user can correct, also for other models
+/// than those that the answer is about.
+ExitStatus run_check(const PairAnswer& answer, const CheckArguments& arguments);
+ExitStatus run_check(const PoseAnswers& answers, const CheckArguments& arguments);
+
+// Whether one tolerance explains every status of a map: "verified" rows are at most so wide, "wide" ones are wider. A
+// tolerance of 0, which asks for the tightest, has a width of its own for each row.
+
+/// What a tolerance of 0 calls verified: rows at most `surely` wide, none wider than `possibly`.
+struct TightestWidths {
+  double surely = 0.0;
+  double possibly = infinity;
+};
+
+/// The tolerance itself is not in the map, nor can a map prove which of device and host verified a row.
+class StatusConsistency {
+ public:
+  /// In any order.
+  void add(std::uint64_t index, const MapResult& row, const TightestWidths& tightest);
+
+  /// A row whose status no finite tolerance allows beside those of the others; the array is "status".
+  [[nodiscard]] std::optional<MapDifference> contradiction() const;
+
+ private:
+  struct Row {
+    std::uint64_t index;
+    Status status;
+    double width;
+  };
+
+  std::optional<Row> widest_verified_;
+  std::optional<Row> narrowest_wide_;
+  bool tightest_explains_ = true;  ///< a tolerance of 0 does
+};
+
+// `verisq check --map`: every row of a map proved again.
+
+/// Told of each row what is proven of it, by one thread at a time, in any order.
+using Proven = std::function<void(std::uint64_t row, const Enclosure& proven)>;
+
+/// `map` is `arguments.map`. Throws Error(input) for what the user can correct.
+[[nodiscard]] CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const Proven& proven);
+
+// Proves the octree of a file again: of its cubes all, or some chosen at random.
+
+struct OctreeCheckArguments {
+  std::string octree;
+  std::string model;
+  std::optional<Pose> pose;             ///< moves the model
+  std::optional<std::uint64_t> sample;  ///< how many cubes
+  bool json;
+  bool no_progress;
+  std::function<bool()> ended;
+};
+
+/// `verified` only where every cube that was looked at is proved.
+ExitStatus run_octree_check(const OctreeCheckArguments& arguments);
+
+// Proves the answers of a certificate file of many poses again, and says what became of them.
+
+struct PosesReport {
+  /// An answer that is not proved.
+  struct Open {
+    std::size_t index;
+    PosedAnswer answer;
+    Finding finding;
+  };
+
+  CertificateCheckArguments arguments;
+  std::string units;
+  std::uint64_t proved = 0;
+  std::uint64_t refuted = 0;
+  std::uint64_t unproved = 0;
+  std::uint64_t unbounded = 0;  ///< that claim nothing from above
+  double largest_width = 0.0;   ///< of the proved ones
+  std::optional<Open> first{};  ///< refuted; without one, unproved
+  double seconds = 0.0;
+  bool interrupted = false;
+};
+
+/// Precondition: the models are those of the answers.
+[[nodiscard]] PosesReport checked_poses(const Model& a, const Model& b, const PoseAnswers& answers,
+                                        const CertificateCheckArguments& arguments);
+
+[[nodiscard]] std::string readable(const PosesReport& report);
+[[nodiscard]] std::string json(const PosesReport& report);
+
+// How far a path of poses leads, and what is to be seen of it.
+
+/// Of the moving origin, about: for people.
+[[nodiscard]] double length_of(std::span<const Pose> path);
+
+/// Of all its turns, about: for people.
+[[nodiscard]] double degrees_of(std::span<const Pose> path);
+
+/// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.
+/// Precondition: not empty; `units` empty, or after a space.
+[[nodiscard]] std::string path_in_words(std::span<const Pose> path, std::string_view way, std::string_view of_what,
+                                        std::string_view units);
+
+// `verisq check --certificate` of a path: how near two models come while one of them moves, proved again.
+
+/// `verified` only when every claim is proved, and the smallest distance has an end. Throws Error(input) for what the
+/// user can correct, also for other models than those that the answer is about.
+ExitStatus run_check(const PathAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of a way in: the smallest distance of every vertex along it proved again.
+
+/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can
+/// correct, also for another model or mesh than those that the answer is about.
+ExitStatus run_check(const InsertionAnswer& answer, const CheckArguments& arguments);
+
+// What `verisq check --certificate` of a fit says of the sides on which the implant's parts lie.
+
+struct SideCheckReport {
+  std::vector<Verdict> verdicts = {};   ///< one a claim; none of an interrupted check
+  std::vector<std::string> names = {};  ///< of all primitives
+  std::size_t rims = 0;                 ///< over which the mesh was closed
+  std::optional<bool> outward = {};     ///< its normals point there
+  bool interrupted = false;
+
+  [[nodiscard]] bool all_proved() const;
+};
+
+/// Reads model and mesh where something is claimed. Throws Error(input).
+[[nodiscard]] SideCheckReport checked_sides(const FitAnswer& answer, const CheckArguments& arguments);
+
+/// A line a claim, and one of the primitives of which nothing is claimed.
+[[nodiscard]] std::string sides_in_words(const FitAnswer& answer, const SideCheckReport& report);
+[[nodiscard]] JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report);
+
+// Which distances serve and what vertices weigh, as a certificate states it: for its reader to see.
+
+/// "0.5 mm", or "0.5".
+[[nodiscard]] std::string with_units(const std::string& number, const std::string& units);
+
+/// The criterion, and each area: a line each.
+[[nodiscard]] std::string criterion_in_words(const StatedTerms& terms, const std::string& units);
+
+/// Objects with "name", "weight" and "points".
+[[nodiscard]] JsonValue areas_of(const StatedTerms& terms);
+
+// `verisq check --certificate` of a fit: every distance proved, and then what they say together.
+
+/// `verified` only when every distance and every claim is proved. Throws Error(input) for what the user can correct,
+/// also for another model or mesh than those that the answer is about.
+ExitStatus run_check(const FitAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of how good a fit can be at best: proves its bound again.
+
+/// `verified` only when the bound is proved. Throws Error(input) for what the user can correct, also for other models,
+/// or another mesh, than those that the answer is about.
+ExitStatus run_check(const BestFitAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of a deviation: proves it again from the distances that the file holds.
+
+/// Throws Error(input) for what the user can correct, also for other files than those that the answer is about.
+ExitStatus run_check(const DeviationAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of areas in contact: proves each of them again.
+
+/// `verified` only when every claim is proved. Throws Error(input) for what the user can correct, also for another
+/// model or mesh than the answer is about.
+ExitStatus run_check(const ContactAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of a model within a mesh, or around it: proves it again.
+
+/// `verified` only when that is proved. Throws as that of areas in contact.
+ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of where a body stands still: proves it once more, at 127 bits.
+
+/// Throws Error(input) for what the user can correct, also for another model than the one that the answer is about.
+ExitStatus run_check(const EquilibriumAnswer& answer, const CheckArguments& arguments);
+
+// `verisq check --certificate` of a femur's features: encloses them once more, at 127 bits.
+
+/// Throws Error(input) for what the user can correct, also for other files than those that the answer is about, where
+/// some are given.
+ExitStatus run_check(const FeaturesAnswer& answer, const CheckArguments& arguments);
 
 }  // namespace verisq::command_line

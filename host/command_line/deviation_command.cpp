@@ -1,37 +1,274 @@
-/// Reads a model and a mesh or points, writes the vertices' distances, reports how far the surfaces lie apart.
+/// This file implements deviation_command.hpp.
 #include "host/command_line/deviation_command.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <utility>
 #include <verisq/certificate_file.hpp>
-#include <verisq/certified_deviation.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/error.hpp>
-#include <verisq/landmark_file.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/mesh_file.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/cloud_input.hpp"
-#include "host/command_line/deviation_drawing.hpp"
-#include "host/command_line/deviation_summary.hpp"
-#include "host/command_line/finite_number.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/posed_input.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/stopwatch.hpp"
-#include "host/command_line/time_limit.hpp"
-#include "host/command_line/whole_number.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/features/femur_regions.hpp"
-#include "host/files/certificate_size.hpp"
+#include "host/files/map_layout.hpp"
+#include "host/prepare/femur_axes.hpp"
 
 namespace verisq::command_line {
+
+Deviation proven_deviation(const Model& model, const Mesh& mesh, const ProofArguments& arguments) {
+  ProgressBar bar(!arguments.no_progress, "points");
+  DeviationOptions options;
+  options.percentiles = proven_percentiles;
+  options.statistics_of_surface = arguments.statistics;
+  options.device = arguments.device;
+  options.interrupted = arguments.ended;
+  options.progress = [&bar](std::string_view stage, double done) { bar.update_state(stage, done); };
+  return deviation(model, mesh, options);
+}
+
+namespace {
+
+constexpr int digits = 5;
+constexpr const char* what_is_proven = "the model's boundary and the triangles as their binary64 corners state them";
+constexpr const char* what_is_proven_of_points =
+    "the model's boundary and the points as their binary64 numbers state them";
+
+std::string with_units(const Enclosure& enclosure, const DeviationReport& report) {
+  return outward_digits(enclosure, digits) + units_behind(report.units);
+}
+
+struct Line {
+  std::string label;
+  std::string value;
+};
+
+void add_statistics(std::vector<Line>& lines, const std::string& direction, const DistanceStatistics& statistics,
+                    const DeviationReport& report) {
+  lines.push_back({direction, ""});
+  lines.push_back({"  largest", with_units(statistics.largest, report)});
+  if (statistics.mean) lines.push_back({"  mean", with_units(*statistics.mean, report)});
+  for (std::size_t i = 0; i < statistics.percentiles.size(); ++i) {
+    lines.push_back(
+        {fmt::format("  {:g} %", report.options.percentiles[i]), with_units(statistics.percentiles[i], report)});
+  }
+}
+
+/// Means are as narrow as those of all made them.
+void add_regions(std::vector<Line>& lines, const DeviationReport& report) {
+  if (report.region_names.empty()) return;
+  lines.push_back({"mesh to model by region", ""});
+  for (std::size_t i = 0; i < report.region_names.size(); ++i) {
+    const DistanceStatistics& region = report.deviation.by_region[i];
+    const bool is_empty = std::ranges::find(report.options.region_of, i) == report.options.region_of.end();
+    const std::string name = quotation(report.region_names[i]);
+    lines.push_back({"  region", is_empty ? "no triangles: " + name
+                                          : fmt::format("largest {}, mean {}: {}", with_units(region.largest, report),
+                                                        with_units(*region.mean, report), name)});
+  }
+}
+
+JsonValue json_of_regions(const DeviationReport& report) {
+  JsonValue::Array regions;
+  for (std::size_t i = 0; i < report.region_names.size(); ++i) {
+    const DistanceStatistics& region = report.deviation.by_region[i];
+    const auto triangles = std::ranges::count(report.options.region_of, i);
+    regions.push_back(JsonObject{{"name", report.region_names[i]},
+                                 {"triangles", static_cast<std::size_t>(triangles)},
+                                 {"largest", region.largest},
+                                 {"farthest", region.farthest},
+                                 {"mean", region.mean}});
+  }
+  return {regions};
+}
+
+std::string tolerance_text(const DeviationReport& report) {
+  if (!report.options.tolerance) return fmt::format("{:g} %", 100.0 * report.options.relative_tolerance);
+  return fmt::format("{:g}{}", *report.options.tolerance, units_behind(report.units));
+}
+
+/// Of the mesh, or of the points.
+const DistanceSummary& certified_summary(const ProvenDeviation& proven) {
+  return proven.from_mesh ? *proven.from_mesh : proven.of_vertices;
+}
+
+/// What matters most first: a picture has room for a few lines.
+std::vector<Line> lines_of(const DeviationReport& report) {
+  const Deviation& deviation = report.deviation;
+  std::vector<Line> lines;
+  if (deviation.hausdorff) lines.push_back({"both ways (Hausdorff)", with_units(*deviation.hausdorff, report)});
+  if (deviation.from_mesh) add_statistics(lines, "mesh to model", *deviation.from_mesh, report);
+  add_regions(lines, report);
+  if (deviation.from_model) {
+    add_statistics(lines, report.is_cloud ? "model to points" : "model to mesh", *deviation.from_model, report);
+  }
+  add_statistics(lines, report.is_cloud ? "points to model" : "vertices to model", deviation.of_vertices, report);
+  if (!deviation.from_model) lines.push_back({"model to points", "not asked for: --both-ways"});
+  lines.push_back({"proven of", report.is_cloud ? what_is_proven_of_points : what_is_proven});
+  lines.push_back(
+      {"tolerance", tolerance_text(report) + (deviation.to_tolerance ? ", reached" : ", not reached by all")});
+  return lines;
+}
+
+JsonValue json_of(const std::optional<DistanceStatistics>& statistics, const DeviationReport& report) {
+  if (!statistics) return {};
+  JsonValue::Array percentiles;
+  for (std::size_t i = 0; i < statistics->percentiles.size(); ++i) {
+    const Enclosure& value = statistics->percentiles[i];
+    percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", value.lo}, {"hi", value.hi}});
+  }
+  JsonObject object{{"largest", statistics->largest}, {"farthest", statistics->farthest}};
+  if (statistics->mean) object.set("mean", *statistics->mean);
+  if (!percentiles.empty()) object.set("percentiles", percentiles);
+  return object;
+}
+
+JsonValue::Array json_of_percentiles(const std::vector<Enclosure>& values, const DeviationReport& report) {
+  JsonValue::Array percentiles;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto& [lo, hi] = values[i];
+    percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", lo}, {"hi", hi}});
+  }
+  return percentiles;
+}
+
+JsonValue json_of_certified(const DeviationReport& report) {
+  if (!report.certified) return {};
+  const DistanceSummary& summary = certified_summary(*report.certified);
+  JsonObject object{{"largest", summary.largest},
+                    {"mean", summary.mean},
+                    {"percentiles", json_of_percentiles(summary.percentiles, report)},
+                    {report.is_cloud ? "model_to_points" : "model_to_mesh", report.certified->from_model},
+                    {"hausdorff", report.certified->hausdorff}};
+  if (const auto& statistics = report.certified->statistics_from_model) {
+    object.set("model_mean", statistics->mean);
+    object.set("model_percentiles", json_of_percentiles(statistics->percentiles, report));
+  }
+  return object;
+}
+
+std::string certified_in_words(const DeviationReport& report) {
+  const ProvenDeviation& certified = *report.certified;
+  const auto line = [&](const std::string& label, const Enclosure& value) {
+    return fmt::format("{:<23}{}\n", label, with_units(value, report));
+  };
+  const auto percentile_lines = [&](const char* label, const std::vector<Enclosure>& values) {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      text += line(fmt::format("  {}, {:g} %", label, report.options.percentiles[i]), values[i]);
+    return text;
+  };
+  const DistanceSummary& summary = certified_summary(certified);
+  std::string text = line("  proves, largest", summary.largest) + line("  proves, mean", summary.mean) +
+                     percentile_lines("proves", summary.percentiles);
+  if (!certified.from_model) return text;
+  text += line(report.is_cloud ? "  model to points" : "  model to mesh", *certified.from_model);
+  if (const auto& statistics = certified.statistics_from_model)
+    text += line("  model, mean", statistics->mean) + percentile_lines("model", statistics->percentiles);
+  return text + line("  both ways", *certified.hausdorff);
+}
+
+}  // namespace
+
+std::string readable(const DeviationReport& report) {
+  const Deviation& deviation = report.deviation;
+  std::string text = fmt::format("{:<23}{}\n", report.is_cloud ? "points" : "vertices", deviation.vertices.size());
+  if (!report.is_cloud) text += fmt::format("{:<23}{}\n", "triangles", report.triangles);
+  for (const auto& [label, value] : lines_of(report)) {
+    text += value.empty() ? label + "\n" : fmt::format("{:<23}{}\n", label, value);
+  }
+  text += fmt::format("{:<23}{}\n", "device", quotation(deviation.map.device));
+  text += fmt::format("{:<23}{} distances to the model, {} patches of its surface\n", "evaluations",
+                      deviation.vertices.size() + deviation.samples, deviation.patches);
+  text += fmt::format("{:<23}{:.3g} s\n", "time", report.seconds);
+  if (!report.output.empty()) text += fmt::format("{:<23}{}\n", "map", quotation(report.output));
+  if (report.certified) {
+    text += fmt::format("{:<23}{}\n", "certificate", quotation(report.certificate));
+    text += certified_in_words(report);
+  }
+  if (!report.files.html.empty()) text += fmt::format("{:<23}{}\n", "report", quotation(report.files.html));
+  if (!report.files.png.empty()) text += fmt::format("{:<23}{}\n", "picture", quotation(report.files.png));
+  return text;
+}
+
+std::vector<ReportLine> report_lines(const DeviationReport& report) {
+  std::vector<ReportLine> lines;
+  std::string direction;
+  for (const auto& [label, value] : lines_of(report)) {
+    if (value.empty()) {
+      direction = label + ",";
+    } else if (label.starts_with("  ")) {
+      lines.push_back({direction + label.substr(1), value});
+    } else {
+      lines.push_back({label, value});
+    }
+  }
+  return lines;
+}
+
+std::string json(const DeviationReport& report) {
+  const Deviation& deviation = report.deviation;
+  const bool is_cloud = report.is_cloud;
+  const std::optional<DistanceStatistics> vertices = deviation.of_vertices;
+  const JsonObject object{
+      {is_cloud ? "points" : "vertices", deviation.vertices.size()},
+      {"triangles", report.triangles},
+      {is_cloud ? "points_to_model" : "vertices_to_model", json_of(vertices, report)},
+      {"mesh_to_model", json_of(deviation.from_mesh, report)},
+      {is_cloud ? "model_to_points" : "model_to_mesh", json_of(deviation.from_model, report)},
+      {"mesh_to_model_by_region", json_of_regions(report)},
+      {"hausdorff", deviation.hausdorff},
+      {"tolerance", report.options.tolerance},
+      {"relative_tolerance", report.options.tolerance ? JsonValue() : JsonValue(report.options.relative_tolerance)},
+      {"to_tolerance", deviation.to_tolerance},
+      {"units", report.units},
+      {"samples", deviation.vertices.size() + deviation.samples},
+      {"patches", deviation.patches},
+      {"device", deviation.map.device},
+      {"notice", deviation.map.notice},
+      {"seconds", report.seconds},
+      {"interrupted", deviation.interrupted},
+      {"out_of_time", deviation.out_of_time},
+      {"output", report.output},
+      {"certificate", report.certificate},
+      {"certified", json_of_certified(report)},
+      {"report", report.files.html},
+      {"png", report.files.png},
+  };
+  return object.text() + "\n";
+}
+
+namespace {
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+}  // namespace
+
+void write(const ReportFiles& files, const DrawnDeviation& drawn, const DeviationReport& report) {
+  write(files, {.title = fmt::format("{}: deviation from {}", file_name(drawn.mesh_file), file_name(drawn.model_file)),
+                .bone = drawn.mesh,
+                .rows = report.deviation.vertices,
+                .implant = drawn.model,
+                .units = drawn.model.units,
+                .summary = report_lines(report),
+                .area_names = {},
+                .area_of = {},
+                .solid_name = "model"});
+}
+
 namespace {
 
 constexpr std::uint32_t most_parts = 100;
@@ -95,7 +332,7 @@ Mesh read_input(const InputArguments& inputs) {
   return mesh;
 }
 
-DeviationOptions options_of(const DeviationArguments& arguments, const TimeLimit& limit) {
+DeviationOptions options_of(const DeviationArguments& arguments, const Deadline& limit) {
   DeviationOptions options;
   if (arguments.tolerance && arguments.tolerance->is_share) options.relative_tolerance = arguments.tolerance->value;
   if (arguments.tolerance && !arguments.tolerance->is_share) options.tolerance = arguments.tolerance->value;
@@ -104,7 +341,7 @@ DeviationOptions options_of(const DeviationArguments& arguments, const TimeLimit
   options.from_model = arguments.inputs.points.empty() || arguments.both_ways;
   options.device = arguments.device;
   options.interrupted = interrupted;
-  if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
+  options.out_of_time = limit.out_of_time();
   return options;
 }
 
@@ -235,13 +472,15 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
   const Model model = read_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Mesh mesh = read_input(arguments.inputs);
+  tell_of_other_size(model, arguments.inputs.model, mesh.vertices,
+                     arguments.inputs.mesh.empty() ? arguments.inputs.points : arguments.inputs.mesh);
   refuse_too_many_vertices(mesh, arguments);
   features::Regions regions = regions_of(mesh, arguments);
   watch_for_interruption();
   std::optional<MapWriter> writer;
   if (!arguments.output.empty()) writer.emplace(arguments.output, &mesh);
 
-  TimeLimit limit(arguments.time_limit);
+  Deadline limit(arguments.time_limit, interrupted);
   limit.start();
   const Stopwatch time;
   std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, "points");
@@ -277,6 +516,11 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (unwritten) throw Error(unwritten->kind(), unwritten->what());
   return certified ? status_of(report.deviation) : ExitStatus::interrupted;
+}
+
+Command deviation_command() {
+  return command("deviation", "Enclose how far a mesh and a model's surface lie apart, both ways", declare_deviation,
+                 run_deviation);
 }
 
 }  // namespace verisq::command_line

@@ -1,18 +1,79 @@
 /// `verisq deviation`: how far a mesh or a cloud and the surface of a model lie apart, both ways.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+#include <verisq/deviation.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+#include <verisq/report.hpp>
 
-#include "host/command_line/exit_status.hpp"
+#include "host/command_line/inputs.hpp"
 #include "host/command_line/options.hpp"
-#include "host/command_line/point_stream.hpp"
-#include "host/command_line/report_files.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
 
 namespace verisq::command_line {
+
+// The deviation of a model and a mesh, one of which a command has just made: proven, with a progress bar.
+
+struct ProofArguments {
+  std::string device;
+  bool no_progress;
+  bool statistics;  ///< mean and percentiles, too
+  std::function<bool()> ended;
+};
+
+/// Of the statistics.
+inline const std::vector<double> proven_percentiles{95.0};
+
+/// Ends early once `ended` says so.
+[[nodiscard]] Deviation proven_deviation(const Model& model, const Mesh& mesh, const ProofArguments& arguments);
+
+// What `verisq deviation` says: for people, for the page of a report, or as one JSON object.
+
+struct DeviationReport {
+  Deviation deviation;
+  DeviationOptions options = {};
+  std::vector<std::string> region_names = {};
+  bool is_cloud = false;
+  std::size_t triangles = 0;
+  std::string output = {};                        ///< the file that holds the rows; empty when none was kept
+  std::string certificate = {};                   ///< what proves distances again; empty where none was written
+  std::string without_surface = {};               ///< why it proves nothing of the model's surface, if that was found
+  std::optional<ProvenDeviation> certified = {};  ///< what it proves
+  ReportFiles files = {};
+  std::string units = {};  ///< of the model; empty when not given
+  double seconds = 0.0;    ///< wall time
+};
+
+[[nodiscard]] std::string readable(const DeviationReport& report);
+
+[[nodiscard]] std::vector<ReportLine> report_lines(const DeviationReport& report);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const DeviationReport& report);
+
+// A deviation for people to look at: the mesh, coloured by its distance to the model's surface, on a page or a
+// picture.
+
+/// What is drawn, and where it was read from or written to.
+struct DrawnDeviation {
+  const Model& model;
+  std::string model_file;
+  const Mesh& mesh;
+  std::string mesh_file;
+};
+
+/// Of a finished map of the mesh's vertices: with the lines of `report`. Throws Error(failure).
+void write(const ReportFiles& files, const DrawnDeviation& drawn, const DeviationReport& report);
+
+// `verisq deviation`: how far a mesh or a cloud and the surface of a model lie apart, both ways.
 
 /// A length in model units, or a share of what it is the tolerance of.
 struct LengthOrShare {

@@ -1,50 +1,350 @@
-/// Reads two models and a pose, or many, and encloses their distance.
-#include "host/command_line/distance_command.hpp"
-
+/// `verisq distance`: encloses the distance of two models and their closest points, or the distances for many poses.
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 #include <verisq/certificate_file.hpp>
-#include <verisq/closest_points.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/model.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/certified_poses.hpp"
-#include "host/command_line/common_units.hpp"
-#include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/distance_search.hpp"
-#include "host/command_line/distance_summary.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/map_to_file.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/peeked_stream.hpp"
-#include "host/command_line/pose_option.hpp"
-#include "host/command_line/pose_stream.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/time_limit.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
+
+// What `verisq distance` says about one pose: for people, or as one JSON object.
+
+struct DistanceReport {
+  Enclosure distance;
+  Proximity proximity;
+  bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
+  bool searched = false;   ///< by branch and bound: no closest points
+  bool interrupted = false;  ///< Ctrl-C came before the tolerance was reached
+  bool complete = true;      ///< of certificates: neither that nor the time limit came before all pairs were looked at
+  std::optional<Point> common = std::nullopt;
+  std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< of a search; each in its model's own frame
+  std::optional<ClosestPoints> closest = std::nullopt;
+  std::optional<PairCertificate> certificate = std::nullopt;  ///< where it was asked for
+  std::optional<Enclosure> certified = std::nullopt;  ///< of a search: what that proves, which may be less than found
+  std::string units = {};                             ///< of both models; empty when not given
+  double tolerance = 0.0;
+  bool tightest = false;  ///< of a tolerance of 0: the enclosure is as tight as the method gives
+};
+
+/// Whether the user got what --tol asked for, of a certificate, too.
+[[nodiscard]] inline bool is_verified(const DistanceReport& report) {
+  if (report.certified && !verified(*report.certified, report.tolerance)) return false;
+  return report.tightest || verified(report.distance, report.tolerance);
+}
+
+[[nodiscard]] std::string readable(const DistanceReport& report);
+
+/// JSON has no infinity: an unbounded upper end is null.
+[[nodiscard]] std::string json(const DistanceReport& report);
+
+// The distance of models that are bent or built by set operations, with progress, Ctrl-C and a time limit.
+
+struct DistanceSearch {
+  double tolerance;
+  std::optional<double> seconds;  ///< the limit; nothing: none
+  bool show_progress;
+  bool with_certificate;  ///< what is proven again, and by what, is asked for, too
+};
+
+/// As ModelSearch; an early end is told on standard error.
+[[nodiscard]] DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose,
+                                               const DistanceSearch& search);
+
+// The answers of `distance --poses` with what proves them: the certificate file of many poses.
+
+/// Encloses the distances at all poses of the file on all processors, as maps on the host do; at most until Ctrl-C,
+/// from when on answers are wide. `tolerance` is of those that are searched. Throws as PoseFile.
+[[nodiscard]] std::vector<PosedAnswer> certified_distances(const Model& a, const Model& b, const std::string& poses,
+                                                           double tolerance, bool show_progress);
+
+// `verisq distance`: encloses the distance of two models and their closest points, or the distances for many poses.
+
+/// As typed; `run_distance` checks what depends on several options.
+struct DistanceArguments {
+  std::string model_a;
+  std::string model_b;
+  std::optional<Pose> pose;
+  std::optional<std::string> poses;   ///< a file, instead of one pose
+  std::optional<std::string> output;  ///< of the distances for `poses`
+  std::optional<PartOption> part;     ///< of those for `poses`
+  std::optional<std::string> device;  ///< for `poses`; "auto" when not given
+  std::optional<double> tolerance;
+  std::optional<double> time_limit;           ///< in seconds
+  PoseUncertaintyArguments pose_uncertainty;  ///< for `poses`
+  bool closest_points = false;                ///< for `poses`
+  bool json = false;
+  bool certificate = false;
+  std::optional<std::string> certificate_file;
+  bool no_progress = false;
+};
+
+void declare_distance(Options& options, DistanceArguments& arguments);
+
+/// `verified` when every enclosure is at most the tolerance wide. Throws Error(input) for what the user can correct,
+/// before the first distance is computed (a file of poses is a stream: its later lines are checked as they come).
+ExitStatus run_distance(const DistanceArguments& arguments);
+
+namespace {
+
+std::string_view word(Proximity proximity) {
+  switch (proximity) {
+    case Proximity::separated: return "separated";
+    case Proximity::overlapping: return "overlapping";
+    case Proximity::undecided: return "undecided";
+  }
+  return "";
+}
+
+std::string explanation(const DistanceReport& report) {
+  switch (report.proximity) {
+    case Proximity::separated: return "proven: no common point";
+    case Proximity::overlapping:
+      return report.common ? "proven: a common point"
+                           : "proven: a common point, which closed solids at distance 0 have";
+    case Proximity::undecided: break;
+  }
+  const std::string open = "neither a gap nor a common point is proven";
+  return std::isfinite(report.distance.hi) ? open + ", at most " + upper_digits(report.distance.hi, 3) + " apart"
+                                           : open;
+}
+
+std::string_view explanation_of_uncertain(Proximity proximity) {
+  switch (proximity) {
+    case Proximity::separated: return "proven: no common point, whatever the uncertain numbers are";
+    case Proximity::overlapping: return "proven: a common point, whatever the uncertain numbers are";
+    case Proximity::undecided: return "neither is proven of all that the uncertain numbers allow";
+  }
+  return "";
+}
+
+std::string text_of(const Enclosure& e) {
+  return fmt::format("[{:.17g}, {:.17g}]", e.lo, e.hi);
+}
+
+std::string text_of(const Point& x) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", x[0], x[1], x[2]);
+}
+
+std::string box_text(std::string_view name, const std::array<Enclosure, 3>& box) {
+  return fmt::format("{:<19}x {}\n{:<19}y {}\n{:<19}z {}\n", name, text_of(box[0]), "", text_of(box[1]), "",
+                     text_of(box[2]));
+}
+
+std::string readable(const PairCertificate& certificate) {
+  std::string text;
+  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
+    text += fmt::format("certificate        primitives {} and {}: vector {}, point of A {}, point of B {}\n", a, b,
+                        text_of(vector), text_of(on_a), text_of(on_b));
+  }
+  for (const auto& [a, b, cuts, planes] : certificate.divisions) {
+    text += fmt::format("certificate        primitives {} and {}: {} plane{} between sections\n", a, b, planes.size(),
+                        planes.size() == 1 ? "" : "s");
+  }
+  return text;
+}
+
+/// Each side as an array of its ends.
+JsonValue json_of(const std::array<Enclosure, 3>& box) {
+  JsonValue::Array sides;
+  for (const Enclosure& side : box) sides.push_back(std::array{side.lo, side.hi});
+  return sides;
+}
+
+JsonValue json_of(const PairCertificate& certificate) {
+  JsonValue::Array separations;
+  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
+    separations.push_back(
+        JsonObject{{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
+  }
+  for (const auto& [a, b, cuts, planes] : certificate.divisions) {
+    separations.push_back(JsonObject{{"primitive_a", a}, {"primitive_b", b}, {"planes", planes.size()}});
+  }
+  return separations;
+}
+
+/// A common point says more.
+std::optional<std::array<Point, 2>> shown_near_points(const DistanceReport& report) {
+  return report.common ? std::nullopt : report.near_points;
+}
+
+std::string_view status_word(const DistanceReport& report) {
+  if (report.tightest) return "tightest";
+  return is_verified(report) ? "verified" : "wide";
+}
+
+}  // namespace
+
+std::string readable(const DistanceReport& report) {
+  const auto units = units_behind(report.units);
+  auto text = fmt::format("distance           {}{}\n", text_of(report.distance), units);
+  text += fmt::format("width              {:.3g}{}, tolerance {:.3g}{}{}\n", report.distance.width(), units,
+                      report.tolerance, units, report.tightest ? ": the tightest" : "");
+  text += fmt::format("proximity          {} ({})\n", word(report.proximity),
+                      report.uncertain ? explanation_of_uncertain(report.proximity) : explanation(report));
+  if (report.common) text += fmt::format("common point       {}\n", text_of(*report.common));
+  if (report.closest) {
+    text += box_text("closest point of A", report.closest->on_a) + box_text("closest point of B", report.closest->on_b);
+    text += fmt::format("uniqueness         {}\n",
+                        report.closest->unique ? "proven: exactly one pair of closest points, in these boxes"
+                                               : "not proven: these boxes contain every pair of closest points");
+  }
+  if (const auto near = shown_near_points(report)) {
+    const auto& [on_a, on_b] = *near;
+    text += fmt::format("near point of A    {}\nnear point of B    {} in its own frame; {:.17g}{} apart at most\n",
+                        text_of(on_a), text_of(on_b), report.distance.hi, units);
+  }
+  if (report.uncertain) text += "closest points     not enclosed, because the models are uncertain\n";
+  if (report.searched) text += "closest points     not enclosed, because a model is bent or built by set operations\n";
+  if (report.certified) text += fmt::format("certified          {}{}\n", text_of(*report.certified), units);
+  return report.certificate ? text + readable(*report.certificate) : text;
+}
+
+std::string json(const DistanceReport& report) {
+  JsonObject object{{"lo", report.distance.lo},
+                    {"hi", report.distance.hi},
+                    {"status", status_word(report)},
+                    {"proximity", word(report.proximity)},
+                    {"uncertain", report.uncertain},
+                    {"searched", report.searched},
+                    {"interrupted", report.interrupted},
+                    {"closest_points", JsonValue()},
+                    {"unique", report.closest && report.closest->unique},
+                    {"near_points", JsonValue()},
+                    {"witness", report.common},
+                    {"units", report.units},
+                    {"tolerance", report.tolerance}};
+  if (report.closest) {
+    object.set("closest_points",
+               JsonObject{{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}});
+  }
+  if (const auto near = shown_near_points(report)) {
+    object.set("near_points", JsonObject{{"on_a", (*near)[0]}, {"on_b", (*near)[1]}});
+  }
+  if (report.certified) object.set("certified", *report.certified);
+  if (report.certificate) object.set("certificate", json_of(*report.certificate));
+  return object.indented_text() + "\n";
+}
+
+namespace {
+
+/// From 0 at the first width to 1 at the tolerance, in the logarithm of the width: it falls by about the same factor
+/// from level to level.
+class WidthFraction {
+ public:
+  explicit WidthFraction(double tolerance) : tolerance_(tolerance) {}
+
+  [[nodiscard]] double operator()(double width) {
+    if (!std::isfinite(width)) return 0.0;
+    if (!(first_ > 0.0)) first_ = width;
+    return std::log(first_ / width) / std::log(first_ / tolerance_);
+  }
+
+ private:
+  double tolerance_;
+  double first_ = 0.0;
+};
+
+void tell_what_is_not_certified(const DistanceReport& report) {
+  const Enclosure& proven = *report.certified;
+  if (verified(proven, report.tolerance) || proven.width() <= report.distance.width()) return;
+  tell(fmt::format(
+      "the certificate proves less than was found, [{}, {}]: {}", proven.lo, proven.hi,
+      interrupted() ? "interrupted"
+                    : "planes between sections of primitives, balls and covers about these, and points do not decide"));
+}
+
+}  // namespace
+
+DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose, const DistanceSearch& search) {
+  watch_for_interruption();
+  Deadline limit(search.seconds, command_line::interrupted);
+  limit.start();
+  const ModelSearch models(a, b);
+  SearchOptions options{.tolerance = search.tolerance, .interrupted = limit.stop()};
+  SearchedDistance found{};
+  {
+    ProgressBar bar(search.show_progress, "cubes");
+    WidthFraction fraction(search.tolerance);
+    options.progress = [&](const Enclosure& e, std::uint64_t cubes) { bar.update(cubes, fraction(e.width())); };
+    found = models(pose, options);
+  }
+  if (!verified(found.distance, search.tolerance) && !(search.tolerance == 0.0 && found.reached)) {
+    const char* const reason = interrupted()    ? "interrupted"
+                               : limit.passed() ? "the time limit is reached"
+                                                : "the search has reached rounding errors or its budget of cubes";
+    tell(fmt::format("{}; the enclosure is valid, and wide", reason));
+  }
+  DistanceReport report{found.distance, found.proximity};
+  report.tolerance = search.tolerance;
+  report.searched = true;
+  report.interrupted = interrupted() && !found.reached;
+  report.tightest = search.tolerance == 0.0 && found.reached;
+  report.near_points = found.near_points;
+  report.common = found.common;
+  if (search.with_certificate) {
+    options.interrupted = [] { return interrupted(); };  // what was found in time deserves its certificate
+    auto [proven, certificate] = models.certified(pose, found, options);
+    report.certified = proven;
+    report.certificate = std::move(certificate);
+    tell_what_is_not_certified(report);
+  }
+  return report;
+}
+
+std::vector<PosedAnswer> certified_distances(const Model& a, const Model& b, const std::string& poses, double tolerance,
+                                             bool show_progress) {
+  constexpr std::size_t chunk_size = 4096;
+  const CertifiedDistances distances(a, b, tolerance);
+  PoseStream stream(poses);
+  ProgressBar bar(show_progress, "certificates");
+  std::vector<PosedAnswer> answers;
+  std::vector<Pose> chunk(chunk_size);
+  while (const std::size_t count = stream.read(chunk)) {
+    const std::size_t first = answers.size();
+    answers.resize(first + count);
+    in_parallel(count, [&](std::size_t i) {
+      auto [distance, certificate] = distances(chunk[i], interrupted);
+      answers[first + i] = {chunk[i], distance, std::move(certificate)};
+    });
+    bar.update(answers.size(), stream.fraction(answers.size()));
+    if (interrupted()) break;
+  }
+  return answers;
+}
+
 namespace {
 
 constexpr double limit_of_certificates = 1e-12;  // of max(largest |translation|, radii), as for --poses
 
 constexpr const char* closing_words =
     "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet.\n"
-    "The closest points lie in the printed boxes, in the frame of A. \"undecided\": the models touch, or nearly, so\n"
-    "that neither a gap nor a common point is proven.\n"
+    "The closest points lie in the printed boxes, in the frame of A. \"undecided\": neither a gap nor a common point "
+    "is\n"
+    "proven, as a rule because the models touch, or nearly.\n"
     "Where a model gives intervals [lo, hi] for semi-axes, exponents or translations, the enclosure contains the\n"
     "distances of all that they allow, without closest points: give a --tol above that uncertainty.\n"
     "Bent models, and csg other than the union of all primitives, are searched by branch and bound until the "
@@ -73,6 +373,7 @@ void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
                        *arguments.device));
   }
   if (arguments.part) refuse("--certificate-file: not with --part");
+  if (arguments.time_limit) refuse("--certificate-file: not with --time-limit, for many poses");
   if (pose_uncertainty(arguments.pose_uncertainty)) {
     refuse("--certificate-file: of exact places only, not with --translation-error or --rotation-error");
   }
@@ -99,11 +400,12 @@ void check_usage(const DistanceArguments& arguments) {
     if (arguments.closest_points) refuse("--closest-points: of one pose they are printed: only for --poses");
     return;
   }
-  if (arguments.time_limit) refuse("--time-limit: only for one pose, not for --poses");
   if (!arguments.output) refuse("--poses: give the file for their distances: -o");
   if (arguments.pose) refuse("give either --pose or --poses");
   if (arguments.certificate) refuse("--certificate: those of many poses fill a --certificate-file");
   if (arguments.certificate_file) refuse_what_certified_poses_lack(arguments);
+  if (arguments.part && arguments.time_limit)
+    refuse("--part: not with --time-limit, by which rows depend on the clock");
   if (arguments.closest_points && pose_uncertainty(arguments.pose_uncertainty)) {
     refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
   }
@@ -178,9 +480,9 @@ double size_of(const LargestModels& models, const Pose& pose) {
 DistanceReport certified_distance(const UncertainModel& a, const UncertainModel& b, const LargestModels& models,
                                   const Pose& pose, double tolerance, const std::optional<double>& seconds) {
   watch_for_interruption();
-  TimeLimit limit(seconds);
+  Deadline limit(seconds, interrupted);
   limit.start();
-  const Stop stop = [&] { return interrupted() || limit.passed(); };
+  const Stop stop = limit.stop();
   DistanceReport report = distance_of(a, b, pose, stop);
   // Of uncertain models the width is that of their numbers, whatever the method does.
   const bool at_limit = report.uncertain || verified(report.distance, limit_of_certificates * size_of(models, pose));
@@ -205,7 +507,7 @@ std::optional<PartRecord> part_record(PoseStream& stream, const MapOptions& opti
                    {"format", format_of_part(*arguments.output, std::nullopt)},
                    {"tolerance", fmt::format("{}", options.tolerance)},
                    {"closest_points", arguments.closest_points ? "yes" : "no"}};
-  if (options.pose_uncertainty) part.settings.push_back({"place", text_of(*options.pose_uncertainty)});
+  if (options.pose_uncertainty) part.settings.push_back({"place", command_line::text_of(*options.pose_uncertainty)});
   return PartRecord(std::move(part), {arguments.model_a, arguments.model_b}, *arguments.poses);
 }
 
@@ -218,17 +520,19 @@ ExitStatus write_certificates(const LargestModels& models, const std::string& un
     tell("interrupted: the distances are written, without certificates");
     return ExitStatus::interrupted;
   }
-  write_answer(*arguments.certificate_file, answers);
+  write_answer(*arguments.certificate_file, std::move(answers));
   return status;
 }
 
 ExitStatus map_poses(const LargestModels& models, const std::string& units, double tolerance,
                      const DistanceArguments& arguments) {
   PoseStream stream(*arguments.poses);
+  Deadline limit(arguments.time_limit, interrupted);
   MapOptions options{.tolerance = tolerance,
                      .device = arguments.device.value_or(arguments.certificate_file ? "host" : "auto"),
                      .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
-                     .interrupted = interrupted};
+                     .interrupted = interrupted,
+                     .out_of_time = limit.out_of_time()};
   std::optional<PartRecord> part = part_record(stream, options, arguments);
   PartStream elements_of_part(stream, part);
   PeekedStream peeked(elements_of_part);
@@ -247,7 +551,7 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
     pair.emplace(models.a, models.b);
     request.closest_pairs = [&](std::span<const Pose> poses) {
       std::vector<ClosestPoints> rows(poses.size());
-      closest_points(*pair, poses, rows, interrupted);
+      closest_points(*pair, poses, rows, limit.stop());
       return rows;
     };
   }
@@ -256,8 +560,12 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
       part->write(*arguments.output, summary, closest);
     };
   }
-  const ExitStatus status = map_to_file(
-      peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); }, request);
+  const auto make_mapper = [&] {
+    PoseMapper mapper(models.a, models.b, options);
+    limit.start();
+    return mapper;
+  };
+  const ExitStatus status = map_to_file(peeked, nullptr, make_mapper, request);
   if (arguments.certificate_file && !interrupted())
     return write_certificates(models, units, tolerance, status, arguments);
   return status;
@@ -283,8 +591,10 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
               fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "
                           "(default: {} of the larger bounding radius)",
                           tolerance_of_distances.text));
-  options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
-              "Ends the work with the best enclosure so far (default: none)");
+  options.add(
+      "--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
+      "Ends the work with the best enclosure so far; of --poses this long after the preparation, and rows left open\n"
+      "are valid, and wide (default: none)");
   options.add_flag("--json", arguments.json,
                    "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
   options.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
@@ -320,16 +630,21 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   report.units = units;
   report.tolerance = tolerance;
   if (arguments.certificate_file) {
-    write_answer(*arguments.certificate_file, {{subject_file(arguments.model_a), subject_file(arguments.model_b)},
-                                               units,
-                                               pose,
-                                               report.certified.value_or(report.distance),
-                                               report.certificate.value()});
+    write_answer(*arguments.certificate_file,
+                 PairAnswer{{subject_file(arguments.model_a), subject_file(arguments.model_b)},
+                            units,
+                            pose,
+                            report.certified.value_or(report.distance),
+                            report.certificate.value()});
   }
   if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (report.interrupted) return ExitStatus::interrupted;
   return is_verified(report) ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+Command distance_command() {
+  return command("distance", "Enclose the distance of two models, and closest points", declare_distance, run_distance);
 }
 
 }  // namespace verisq::command_line

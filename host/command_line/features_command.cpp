@@ -1,31 +1,217 @@
-/// Reads the options of `verisq features`, finds or reads landmarks, encloses what they say, draws the axes.
-#include "host/command_line/features_command.hpp"
-
+/// `verisq features`: head, neck, shaft and condyles of a femur, and what a surgeon measures of them, as intervals.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 #include <verisq/certificate_file.hpp>
 #include <verisq/error.hpp>
-#include <verisq/landmark_file.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/mesh_file.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/model_mesh.hpp>
+#include <verisq/mesh_topology.hpp>
+#include <verisq/report.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/choice.hpp"
-#include "host/command_line/features_summary.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/shared_options.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/features/drawn_axes.hpp"
-#include "host/features/implant_points.hpp"
+#include "host/prepare/femur_axes.hpp"
 
 namespace verisq::command_line {
+
+// What `verisq features` prints.
+
+struct FeaturesReport {
+  FemurLandmarks landmarks;
+  std::optional<Side> side;
+  double landmark_radius;
+  std::vector<std::string> notes = {};  ///< how the landmarks were found
+  FemurFeatures bone = {};
+  std::vector<std::string> implant_notes = {};  ///< which points of the implant count
+  std::optional<FemurFeatures> changes = {};    ///< by an implant
+};
+
+/// Tables for people.
+[[nodiscard]] std::string readable(const FeaturesReport& report);
+/// One line of JSON.
+[[nodiscard]] std::string json(const FeaturesReport& report);
+/// The features for a report's table, an implant's changes first: a picture has room for a few lines.
+[[nodiscard]] std::vector<ReportLine> report_lines(const FeaturesReport& report);
+
+// `verisq features`: head, neck, shaft and condyles of a femur, and what a surgeon measures of them, as intervals.
+
+/// As typed; `run_features` checks what depends on several of them.
+struct FeaturesArguments {
+  std::string mesh;
+  std::string model;
+  double deviation = 0.3;  ///< of the model's mesh, in mm
+  std::string landmarks;
+  std::optional<Side> side;
+  double landmark_radius = 0.0;
+  std::string implant;
+  std::string implant_head;  ///< empty: as the implant's file says, else its primitive "head"
+  std::string implant_neck;
+  std::string written_landmarks;
+  std::string axes;
+  std::string certificate_file;
+  std::string device = "auto";
+  ReportFiles report;
+  bool json = false;
+  bool no_progress = false;
+};
+
+void declare_features(Options& options, FeaturesArguments& arguments);
+
+/// Throws Error(input) for whatever the user can correct.
+ExitStatus run_features(const FeaturesArguments& arguments);
+
+namespace {
+
+const char* unit_of(const Feature& feature) {
+  return feature.unit == FeatureUnit::length ? "mm" : "deg";
+}
+
+std::string value_of(const Feature& feature) {
+  return fmt::format("{} {}", outward_digits(feature.value), unit_of(feature));
+}
+
+/// What a change does, in a surgeon's words.
+struct Consequence {
+  std::string_view name;
+  const char* of_more;
+  const char* of_less;
+};
+constexpr std::array consequences{
+    Consequence{"offset_change", "more offset", "less offset"},
+    Consequence{"length_change", "leg longer", "leg shorter"},
+    Consequence{"version_change", "neck farther ahead: more anteversion", "neck farther back: less anteversion"},
+    Consequence{"ccd_change", "neck steeper: valgus", "neck flatter: varus"},
+};
+
+/// Only where the whole interval says so.
+std::string consequence_of(const Feature& feature) {
+  const auto* const found = std::ranges::find(consequences, feature.name, &Consequence::name);
+  if (found == consequences.end()) return {};
+  if (feature.value.lo > 0.0) return fmt::format("   {}", found->of_more);
+  if (feature.value.hi < 0.0) return fmt::format("   {}", found->of_less);
+  return "   more or less: not decided at this landmark radius";
+}
+
+std::string text(const Point& point) {
+  return fmt::format("{:.4f}, {:.4f}, {:.4f}", point[0], point[1], point[2]);
+}
+
+std::string side_name(const std::optional<Side>& side) {
+  if (!side) return "not known";
+  return *side == Side::left ? "left" : "right";
+}
+
+std::string table(const FemurFeatures& found) {
+  std::string result;
+  for (const Feature& feature : found.features) {
+    result += fmt::format("{:<28}{}{}\n", feature.name, value_of(feature), consequence_of(feature));
+    result += fmt::format("{:<28}  {}\n", "", feature.method);
+  }
+  for (const std::string& missing : found.missing) result += fmt::format("missing: {}\n", missing);
+  return result;
+}
+
+std::string table(const FemurFrame& frame) {
+  std::string result = fmt::format("frame (ISB), origin         {}\n", text(frame.origin));
+  const auto axis = [&](const char* name, const FrameAxis& of) {
+    result += fmt::format("  {:<26}{:.7f}, {:.7f}, {:.7f}, within {:.3g} deg\n", name, of.direction[0], of.direction[1],
+                          of.direction[2], of.tilt_degrees);
+  };
+  axis("x, ahead", frame.x);
+  axis("y, up", frame.y);
+  axis("z, to the right", frame.z);
+  return result;
+}
+
+JsonValue json_of(const FemurFeatures& found) {
+  JsonValue::Array features;
+  for (const Feature& feature : found.features) {
+    features.push_back(JsonObject{
+        {"name", feature.name}, {"method", feature.method}, {"unit", unit_of(feature)}, {"value", feature.value}});
+  }
+  return {features};
+}
+
+JsonValue json_of(const FrameAxis& axis) {
+  return JsonObject{{"direction", axis.direction}, {"tilt_degrees", axis.tilt_degrees}};
+}
+
+JsonValue json_of(const std::optional<FemurFrame>& frame) {
+  if (!frame) return {};
+  return JsonObject{
+      {"origin", frame->origin}, {"x", json_of(frame->x)}, {"y", json_of(frame->y)}, {"z", json_of(frame->z)}};
+}
+
+JsonValue json_of(const FemurLandmarks& landmarks) {
+  JsonObject result;
+  for (const auto& [name, point] : named_landmarks) {
+    if (const std::optional<Point>& at = landmarks.*point) result.set(name, *at);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string readable(const FeaturesReport& report) {
+  std::string result = fmt::format("side                        {}\n", side_name(report.side));
+  for (const std::string& note : report.notes) result += fmt::format("found               {}\n", note);
+  for (const auto& [name, point] : named_landmarks) {
+    if (const std::optional<Point>& at = report.landmarks.*point) result += fmt::format("{:<28}{}\n", name, text(*at));
+  }
+  result += report.landmark_radius > 0.0
+                ? fmt::format("\nProven for all landmarks within {:.6g} mm of these:\n", report.landmark_radius)
+                : "\nIf these landmarks were exact (--landmark-radius says how well they are known):\n";
+  result += table(report.bone);
+  if (report.bone.frame) result += table(*report.bone.frame);
+  if (!report.changes) return result;
+  result += "\nThe implant in its place, its own points exact, against the bone as it was:\n";
+  for (const std::string& note : report.implant_notes) result += fmt::format("implant's           {}\n", note);
+  return result + table(*report.changes);
+}
+
+std::string json(const FeaturesReport& report) {
+  const JsonObject object{
+      {"side", report.side ? JsonValue(side_name(report.side)) : JsonValue()},
+      {"landmark_radius", report.landmark_radius},
+      {"head_radius", report.landmarks.head_radius},
+      {"landmarks", json_of(report.landmarks)},
+      {"notes", report.notes},
+      {"features", json_of(report.bone)},
+      {"frame", json_of(report.bone.frame)},
+      {"missing", report.bone.missing},
+      {"implant_points", report.implant_notes},
+      {"changes", report.changes ? json_of(*report.changes) : JsonValue()},
+      {"changes_missing", report.changes ? JsonValue(report.changes->missing) : JsonValue()},
+  };
+  return object.text() + "\n";
+}
+
+std::vector<ReportLine> report_lines(const FeaturesReport& report) {
+  std::vector<ReportLine> lines{{"side", side_name(report.side)},
+                                {"landmarks known to", fmt::format("{:.6g} mm", report.landmark_radius)}};
+  if (report.changes) {
+    for (const Feature& feature : report.changes->features)
+      lines.push_back(
+          {fmt::format("{} ({})", feature.name, feature.method), value_of(feature) + consequence_of(feature)});
+  }
+  for (const Feature& feature : report.bone.features)
+    lines.push_back({fmt::format("{} ({})", feature.name, feature.method), value_of(feature)});
+  return lines;
+}
+
 namespace {
 
 constexpr const char* closing_words =
@@ -111,7 +297,7 @@ struct Surface {
 std::optional<Surface> meshed(const FeaturesArguments& arguments) {
   const Model model = read_model(arguments.model);
   if (!model.units.empty() && model.units != "mm")
-    refuse(fmt::format("{}: units {}: a femur is measured in mm", arguments.model, model.units));
+    refuse(fmt::format("{}: units {}: a femur is measured in mm", arguments.model, quotation(model.units)));
   ModelMesh found = model_mesh(model, {.deviation = arguments.deviation, .interrupted = interrupted});
   if (found.interrupted) return std::nullopt;
   return Surface{arguments.model, std::move(found.mesh),
@@ -130,7 +316,7 @@ struct Implant {
 void check_primitive(const FeaturesArguments& arguments, const Model& implant, const char* option,
                      const std::string& name) {
   if (!name.empty() && std::ranges::count(implant.primitives, name, &Primitive::name) == 0)
-    refuse(fmt::format("{}: {} has no primitive \"{}\"", option, arguments.implant, name));
+    refuse(fmt::format("{}: {} has no primitive {}", option, arguments.implant, quotation(name)));
 }
 
 Implant read_implant(const FeaturesArguments& arguments) {
@@ -209,7 +395,18 @@ void write_certificate(const FeaturesArguments& arguments, const std::optional<S
     answer.claims.implant = implant->points;
     answer.claims.changes = report.changes->features;
   }
-  write_answer(arguments.certificate_file, answer);
+  write_answer(arguments.certificate_file, std::move(answer));
+}
+
+/// Detects the landmarks on `surface` and puts them, the side and the notes into `report`. A landmark that the
+/// surface's file names comes before one that is detected.
+void detect_landmarks(const Surface& surface, FeaturesReport& report) {
+  DetectedFemur found = detected(surface.mesh, surface.file, report.side);
+  report.landmarks = found.landmarks;
+  report.side = found.side;
+  report.notes = std::move(found.notes);
+  if (!surface.note.empty()) report.notes.insert(report.notes.begin(), surface.note);
+  override_landmarks(report.landmarks, surface.named);
 }
 
 }  // namespace
@@ -238,6 +435,7 @@ void declare_features(Options& options, FeaturesArguments& arguments) {
               "Landmarks, and what is claimed of them, for `verisq check --certificate`: .json");
   add_device(options, arguments.device);
   add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_features(const FeaturesArguments& arguments) {
@@ -248,22 +446,16 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
   if (!arguments.mesh.empty()) surface = Surface{arguments.mesh, read_mesh(arguments.mesh)};
   std::optional<Implant> implant;
   if (!arguments.implant.empty()) implant = read_implant(arguments);
-  watch_for_interruption();
   if (!arguments.model.empty()) {
+    watch_for_interruption();
     surface = meshed(arguments);
     if (!surface) return ExitStatus::interrupted;
   }
 
-  const std::optional<Side> side = side_of(arguments, given);
-  FeaturesReport report{.landmarks = {}, .side = side, .landmark_radius = arguments.landmark_radius};
-  if (surface && !(given && has_all_of_a_proximal_femur(given->landmarks))) {
-    DetectedFemur found = detected(surface->mesh, surface->file, side);
-    report.landmarks = found.landmarks;
-    report.side = found.side;
-    report.notes = std::move(found.notes);
-    if (!surface->note.empty()) report.notes.insert(report.notes.begin(), surface->note);
-    override_landmarks(report.landmarks, surface->named);
-  }
+  FeaturesReport report{
+      .landmarks = {}, .side = side_of(arguments, given), .landmark_radius = arguments.landmark_radius};
+  if (surface && !(given && has_all_of_a_proximal_femur(given->landmarks))) detect_landmarks(*surface, report);
+  if (interrupted()) return ExitStatus::interrupted;
   if (given) override_landmarks(report.landmarks, given->landmarks);
   report.bone = femur_features(report.landmarks, report.side, arguments.landmark_radius);
   if (implant) {
@@ -278,12 +470,20 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
     const Model axes = features::drawn_axes(report.landmarks);
     if (axes.primitives.empty()) refuse("the landmarks make no axis that could be drawn");
     if (!arguments.axes.empty()) write_model(arguments.axes, axes);
-    if (arguments.report.any()) drawn = draw(arguments, surface->mesh, figure_of(axes, implant), report);
+    if (arguments.report.any()) {
+      watch_for_interruption();  // a mesh has nothing to lose before: Ctrl-C ends the program
+      drawn = draw(arguments, surface->mesh, figure_of(axes, implant), report);
+    }
   }
   if (!arguments.certificate_file.empty()) write_certificate(arguments, surface, implant, report);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (!drawn) return ExitStatus::interrupted;
   return says_all(report) ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+Command features_command() {
+  return command("features", "Enclose what a surgeon measures of a femur: head, offset, CCD, version", declare_features,
+                 run_features);
 }
 
 }  // namespace verisq::command_line

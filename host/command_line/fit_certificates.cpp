@@ -1,8 +1,7 @@
-/// Which options go together, and what is written.
-#include "host/command_line/fit_certificates.hpp"
-
+/// What proves the distances and areas in contact of a fit again.
 #include <fmt/core.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,14 +9,17 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 #include <verisq/certificate_file.hpp>
-#include <verisq/certified_best_fit.hpp>
-#include <verisq/clearance_claim.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/error.hpp>
+#include <verisq/fit_bound.hpp>
 
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/triangle_stream.hpp"
+#include "host/command_line/fit_command.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 
@@ -31,10 +33,9 @@ StatedTerms stated_terms(const FitProblem& problem) {
           .area_runs = runs_of(problem.cavity.area_of)};
 }
 
-/// The distance of every triangle, between its corners too; returns the smallest one. Never ended by the first Ctrl-C,
-/// like all that a fit proves.
-Enclosure write_surface_map(const FitProblem& problem, const Model& fitted, MapOptions options,
-                            const FitArguments& arguments) {
+/// The distance of every triangle, between its corners too. Nothing is written where interrupted.
+MapSummary write_surface_map(const FitProblem& problem, const Model& fitted, MapOptions options,
+                             const FitArguments& arguments) {
   const Mesh& mesh = problem.mesh;
   const bool convex = is_union_of_convex(fitted);
   options.certificates = true;
@@ -52,8 +53,16 @@ Enclosure write_surface_map(const FitProblem& problem, const Model& fitted, MapO
     bar.update(done, stream.fraction(done));
   };
   const MapSummary summary = TriangleMapper(fitted, options).map(source, sink);
+  if (summary.interrupted) {
+    tell(fmt::format("interrupted; {} is not written", arguments.surface_map));
+    return summary;
+  }
   writer.finish();
-  return {summary.minimum_lo, summary.minimum_hi};
+  if (summary.out_of_time) {
+    tell(fmt::format("the time limit is reached: {}: {} of {} rows are valid, and wide", arguments.surface_map,
+                     summary.wide, summary.points));
+  }
+  return summary;
 }
 
 }  // namespace
@@ -72,7 +81,7 @@ void declare_certificates(Options& options, FitArguments& arguments) {
 }
 
 std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
-                                              const FitArguments& arguments) {
+                                              const Deadline& limit, const FitArguments& arguments) {
   const std::string& file = arguments.bound_certificate;
   if (file.empty() || !solution.bound) return std::nullopt;
   ProgressBar bar(!arguments.no_progress, "%");
@@ -80,10 +89,10 @@ std::optional<double> write_bound_certificate(const FitProblem& problem, const F
   auto certified = certified_best_fit(
       problem.series, problem.cavity, {options.fitness, options.penetration_limit, options.range}, *solution.bound,
       {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-       .interrupted = interrupted,
+       .interrupted = limit.stop(),
        .progress = [&bar](double done) { bar.update_state("certificate of the bound", done); }});
   if (!certified) {
-    tell(fmt::format("interrupted; {} is not written", file));
+    tell(fmt::format("{}; {} is not written", limit.passed() ? "the time limit is reached" : "interrupted", file));
     return std::nullopt;
   }
   BestFitAnswer answer{.models = {},
@@ -95,8 +104,9 @@ std::optional<double> write_bound_certificate(const FitProblem& problem, const F
                        .upper = certified->claim.upper,
                        .certificate = std::move(certified->certificate)};
   for (const std::string& implant : arguments.implants) answer.models.push_back(subject_file(implant));
-  write_answer(file, answer);
-  return answer.upper;
+  const double upper = answer.upper;
+  write_answer(file, std::move(answer));
+  return upper;
 }
 
 bool certifies(const FitArguments& arguments) {
@@ -128,17 +138,108 @@ MapContents contents_of(const FitArguments& arguments) {
   return certifies(arguments) ? MapContents::covered : MapContents::enclosures;
 }
 
-void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
-                        std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments) {
+ExitStatus write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
+                              std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments) {
   std::optional<Enclosure> surface;
-  if (!arguments.surface_map.empty()) surface = write_surface_map(problem, fitted, options, arguments);
-  if (arguments.certificate_file.empty()) return;
+  ExitStatus status = ExitStatus::verified;
+  if (!arguments.surface_map.empty()) {
+    const MapSummary map = write_surface_map(problem, fitted, options, arguments);
+    if (map.interrupted) return ExitStatus::interrupted;
+    if (map.out_of_time) status = ExitStatus::unverified;
+    surface = {map.minimum_lo, map.minimum_hi};
+  }
+  if (arguments.certificate_file.empty()) return status;
   write_answer(arguments.certificate_file, FitAnswer{.model = subject_file(arguments.output),
                                                      .mesh = subject_file(arguments.mesh),
                                                      .units = problem.units,
                                                      .terms = stated_terms(problem),
                                                      .claims = claims_of(clearance, surface),
                                                      .sides = std::move(sides)});
+  return status;
+}
+
+namespace {
+
+/// Roundings alone make a claim wider by less.
+constexpr double share_of_roundings = 1e-9;
+
+void tell_if_wider(const std::string& file, const std::string& name, const AreaWithin& found,
+                   const ContactClaim& claimed) {
+  constexpr int digits = 4;
+  const Enclosure of_found = claim_of(found).percent;
+  if (claimed.percent.width() <= of_found.width() * (1.0 + share_of_roundings)) return;
+  tell(fmt::format("{}: claims less than was found, {} %, not {} %: {}", file, outward_digits(claimed.percent, digits),
+                   outward_digits(of_found, digits), quotation(name)));
+}
+
+void tell_of_wider(const std::string& file, const ContactAreas& found, const ContactClaims& claimed,
+                   const std::vector<std::string>& names) {
+  tell_if_wider(file, "contact", found.of_mesh, claimed.of_mesh);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    tell_if_wider(file, "contact:" + names[k], found.by_region[k], claimed.by_region[k]);
+  if (found.of_model && claimed.of_model) tell_if_wider(file, "implant_contact", *found.of_model, *claimed.of_model);
+}
+
+}  // namespace
+
+void declare_contact_certificate(Options& options, FitArguments& arguments) {
+  options.add(
+      "--contact-certificate-file", arguments.contact_certificate, "FILE",
+      "How much of the mesh's area, of each area's and, with --implant-contact, of the implant's own surface is "
+      "in contact, with what proves it again, for `verisq check --certificate` with the fitted model and the "
+      "mesh: .json");
+}
+
+void check_contact_certificate(const FitArguments& arguments) {
+  if (arguments.contact_certificate.empty()) return;
+  if (arguments.resection)
+    refuse("--contact-certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
+  if (!std::filesystem::is_regular_file(arguments.mesh))
+    refuse(fmt::format("--contact-certificate-file: {}: is no regular file, and it must tell which it is",
+                       arguments.mesh));
+}
+
+void refuse_what_has_no_contact(const FitProblem& problem, const FitArguments& arguments) {
+  if (!arguments.contact_certificate.empty() && problem.mesh.triangles.empty())
+    refuse(fmt::format("--contact-certificate-file: {}: has no triangles", arguments.mesh));
+}
+
+ContactFile write_contact_certificate(const FitProblem& problem, const Fit& fit, const FitProof& proof,
+                                      const Deadline& limit, const FitArguments& arguments) {
+  const std::string& file = arguments.contact_certificate;
+  if (file.empty()) return ContactFile::not_asked_for;
+  // The first Ctrl-C may have ended the search: what it found is proven all the same.
+  const auto ended = [before = interrupted()] { return !before && interrupted(); };
+  CertifiedContact certified;
+  {
+    ProgressBar bar(!arguments.no_progress, "%");
+    certified = certified_contact(problem, fit, proof, either(ended, limit.out_of_time()),
+                                  [&bar](double done) { bar.update_state("certificate of contact", done); });
+  }
+  if (certified.proven.interrupted) {
+    tell(fmt::format("{}; {} is not written", ended() ? "interrupted" : "the time limit is reached", file));
+    return ended() ? ContactFile::interrupted : ContactFile::out_of_time;
+  }
+  std::vector<std::string> regions;
+  for (const Area& area : problem.cavity.areas) regions.push_back(area.name);
+  ContactAnswer answer{.model = subject_file(arguments.output),
+                       .mesh = subject_file(arguments.mesh),
+                       .units = problem.units,
+                       .distance = certified.terms.distance,
+                       .regions = regions,
+                       .region_runs = runs_of(certified.terms.region_of),
+                       .claims = certified.claims,
+                       .counted = std::move(certified.terms.counted),
+                       .certificate = std::move(certified.certificate)};
+  try {
+    write_answer(file, std::move(answer));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    tell(error.what());
+    return ContactFile::too_large;
+  }
+  tell_of_wider(file, *proof.contact, certified.claims, regions);
+  return ContactFile::written;
 }
 
 }  // namespace verisq::command_line

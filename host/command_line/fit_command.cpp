@@ -1,9 +1,11 @@
-/// Reads the problem, searches, proves what was found, writes and reports.
+/// `verisq fit`: its options, what is asked of the fit, and its run.
 #include "host/command_line/fit_command.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -11,36 +13,73 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <verisq/distance.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/posed_model.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/choice.hpp"
-#include "host/command_line/contact_certificate.hpp"
-#include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/fit_certificates.hpp"
-#include "host/command_line/fit_instrument.hpp"
-#include "host/command_line/fit_request.hpp"
-#include "host/command_line/fit_summary.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/named_range.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/plane_option.hpp"
-#include "host/command_line/pose_option.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/stopwatch.hpp"
-#include "host/command_line/time_limit.hpp"
-#include "host/command_line/whole_number.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {
+namespace {
+
+std::optional<FitSurface> surface_named(const FitArguments& arguments) {
+  const std::array given{arguments.cavity, arguments.bone, arguments.any_side};
+  if (std::ranges::count(given, true) > 1) refuse("give only one of --cavity, --bone and --any-side");
+  if (arguments.cavity) return FitSurface::cavity;
+  if (arguments.bone) return FitSurface::bone;
+  return arguments.any_side ? std::optional(FitSurface::unsided) : std::nullopt;
+}
+
+FitLandmarks bone_landmarks(const FitArguments& arguments) {
+  const LandmarkFile file = read_landmarks(arguments.landmarks);
+  return {arguments.landmarks, file.landmarks, file.side, arguments.landmark_radius};
+}
+
+}  // namespace
+
+FitRequest read_fit_request(const FitArguments& arguments) {
+  FitRequest request{.implants = {},
+                     .mesh_name = arguments.mesh,
+                     .mesh = {},
+                     .surface = surface_named(arguments),
+                     .resection = arguments.resection,
+                     .crossing = arguments.crossing,
+                     .outside = arguments.outside,
+                     .kept = arguments.kept,
+                     .objective = arguments.objective,
+                     .implant_contact = arguments.implant_contact,
+                     .completion = arguments.completion,
+                     .gap = arguments.gap,
+                     .gap_tolerance = arguments.gap_tolerance,
+                     .penetration_limit = arguments.penetration_limit,
+                     .pose_start = arguments.pose_start.value_or(Pose{}),
+                     .translation_range = arguments.translation_range,
+                     .rotation_range = arguments.rotation_range,
+                     .seed = arguments.seed,
+                     .samples = arguments.samples,
+                     .weights = arguments.weights,
+                     .device = arguments.device};
+  for (const std::string& file : arguments.implants) {
+    request.implants.push_back({file, read_uncertain_model(file), read_model_landmarks(file), read_areas(file)});
+  }
+  if (!arguments.landmarks.empty()) request.landmarks = bone_landmarks(arguments);
+  if (arguments.on) request.on_triangles = *arguments.on == MapElements::triangles;
+  request.mesh = read_mesh(arguments.mesh);
+  for (const FitImplant& implant : request.implants)
+    tell_of_other_size(bracket(implant.model).largest, implant.name, request.mesh.vertices, arguments.mesh);
+  if (arguments.labels) request.labelled = read_labelled_cavity(arguments.mesh, *arguments.labels, arguments.weights);
+  return request;
+}
+
 namespace {
 
 constexpr std::size_t most_samples = 1'000'000'000;
@@ -78,8 +117,8 @@ constexpr const char* closing_words =
     "with --implant-contact, what of the implant's own surface is. What the implant changes is proved by `verisq\n"
     "features --landmarks F --implant FITTED --certificate-file`.\n"
     "\n"
-    "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
-    "once the proof runs, -o is written already.\n"
+    "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. One that comes later ends the\n"
+    "proof, and -o is written already. A second Ctrl-C stops at once.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, nothing is proven deeper than the limit, and every\n"
     "primitive is proven to lie on its side, every change to be within --keep, F to be as near to the best as --bound\n"
@@ -161,12 +200,13 @@ class FitProgressBars {
 };
 
 /// Each fit that is found is written at once.
-FitSolution search_and_bound(const FitProblem& problem, const FitArguments& arguments) {
+FitSolution search_and_bound(const FitProblem& problem, const FitArguments& arguments, const Deadline& all) {
   FitProgressBars bars(problem, arguments);
-  TimeLimit limit(arguments.bound_time);
+  Deadline limit(arguments.bound_time);
   Stopwatch watch;
   std::optional<double> known;
-  FitSolutionOptions options{.interrupted = interrupted, .out_of_time = [&limit] { return limit.passed(); }};
+  FitSolutionOptions options{
+      .interrupted = interrupted, .out_of_time = limit.out_of_time(), .search_out_of_time = all.out_of_time()};
   if (arguments.bound) options.gap = *arguments.bound / 100.0;
   options.progress = [&](const FitProgress& progress) { bars.show(progress); };
   options.bound_progress = [&](const FitBoundProgress& progress) { bars.show(progress, *known, watch.seconds()); };
@@ -196,7 +236,7 @@ struct MappedProof {
   std::vector<Certificate> certificates;  ///< none, or one a row
 };
 
-/// Never ended by the first Ctrl-C, which has kept its pose already. `map` is nothing when not asked for.
+/// Of all vertices, or of those that an interruption left. `map` is nothing when not asked for.
 MappedProof prove(const FitProblem& problem, const FitSolution& solution, const MapOptions& options, bool show_progress,
                   std::optional<MapWriter>& map) {
   ProgressBar bar(show_progress, "points");
@@ -211,7 +251,7 @@ MappedProof prove(const FitProblem& problem, const FitSolution& solution, const 
     bar.update(all.size(), static_cast<double>(all.size()) / static_cast<double>(size));
   };
   FitProof proof = prove_fit(problem, solution, options, sink);
-  if (map) map->finish();
+  if (map && !proof.clearance.map.interrupted) map->finish();
   return {std::move(proof), std::move(all), std::move(all_certificates)};
 }
 
@@ -252,6 +292,11 @@ void explain(const FitSummary& summary) {
   const auto& [fit, clearance] = std::tie(summary.fit, summary.clearance);
   tell_notice(fit.notice);
   if (clearance.map.notice != fit.notice) tell_notice(clearance.map.notice);
+  if (fit.out_of_time) tell("the time limit is reached: the search ended early, with the best pose so far");
+  if (!summary.unfinished.empty()) {
+    tell(fmt::format("the time limit is reached: what is not proven yet stays open: {}",
+                     fmt::join(summary.unfinished, ", ")));
+  }
   if (fit.interrupted) tell(fmt::format("interrupted; the best pose so far is proven, and kept in {}", summary.output));
   if (clearance.proven_too_deep > 0) {
     tell(fmt::format("{} points are proven deeper inside the implant than the limit", clearance.proven_too_deep));
@@ -274,6 +319,12 @@ void hint_where_to_look(const FitSummary& summary, const FitArguments& arguments
       "the search began where the implant's file places it, and went up to half the mesh's size from there: where the "
       "implant belongs somewhere else, say by --pose-start where to begin, and by --translation-range and "
       "--rotation-range how far to look");
+}
+
+/// The pose is kept; half of its proof is worth nothing.
+ExitStatus end_without_proof(const FitArguments& arguments) {
+  tell(fmt::format("interrupted; the best pose is kept in {}, and is not proven", arguments.output));
+  return ExitStatus::interrupted;
 }
 
 bool was_interrupted(const FitSolution& solution) {
@@ -371,7 +422,11 @@ void declare_search(Options& options, FitArguments& arguments) {
               "Proves that no pose of the range has an F larger than this one's by more than so much of it; sizes must "
               "be exact");
   options.add("--bound-time", arguments.bound_time, parse_time_limit, "SECONDS",
-              "Ends that with what is proven by then (default 300)");
+              "Ends that with what is proven by then (default 300); where it came across a better pose, that is "
+              "refined, which --time-limit ends");
+  options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
+              "Ends the search, the bound and the proofs this long after the search begins: what is proven by then "
+              "stays proven, and what is left open is named (default: none)");
   options.add("--bound-certificate-file", arguments.bound_certificate, "FILE",
               "What proves the bound again, for `verisq check --certificate` with the implants and the mesh: .json");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of the sampled poses (default 1)");
@@ -414,14 +469,73 @@ void declare_fit(Options& options, FitArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
-ExitStatus run_fit(const FitArguments& arguments) {
+namespace {
+
+FitProblem checked_problem(const FitArguments& arguments) {
   check_outputs(arguments);
   check_certificates(arguments);
   check_contact_certificate(arguments);
-  const FitProblem problem = fit_problem(read_fit_request(arguments));
+  FitProblem problem = fit_problem(read_fit_request(arguments));
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
   refuse_what_has_no_certificates(problem, arguments);
   refuse_what_has_no_contact(problem, arguments);
+  return problem;
+}
+
+/// All but what is measured or written after the proofs: the instrument, seconds, certificates.
+FitSummary summary_of(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,
+                      const FitArguments& arguments) {
+  const Fit& found = solution.fit;
+  return {.fit = found,
+          .clearance = proof.clearance,
+          .surface = proof.surface,
+          .instrument = {},
+          .side_of = problem.surface,
+          .required_sides = sides_required(problem, found.implant),
+          .sides = proof.sides,
+          .changes = proof.changes,
+          .kept = problem.kept,
+          .contact = proof.contact,
+          .contact_distance = problem.options.fitness.serves.hi,
+          .conditions = proof.conditions,
+          .unfinished = proof.unfinished,
+          .trials = solution.trials,
+          .names = problem.names,
+          .maximised = problem.options.objective,
+          .landmark_radius = arguments.landmark_radius,
+          .implant = problem.names[found.implant],
+          .implants = problem.series.size(),
+          .sized = !is_exact(problem.series[found.implant]),
+          .best = compared(solution, proof, arguments),
+          .penetration_limit = problem.options.penetration_limit,
+          .tolerance = tolerance_of(arguments, found.model),
+          .units = problem.units,
+          .search_seconds = 0.0,
+          .proof_seconds = 0.0,
+          .output = arguments.output,
+          .map = arguments.map,
+          .surface_map = arguments.surface_map,
+          .certificate_file = arguments.certificate_file,
+          .bound_certificate = arguments.bound_certificate};
+}
+
+/// True where a certificate that was asked for is not written, or proves less than was asked.
+bool lacks_certificates(const FitSummary& summary, ContactFile contact, ExitStatus of_rows) {
+  const bool lacks_bound = summary.best && !summary.bound_certificate.empty() && !summary.certified_upper;
+  return lacks_bound || of_rows == ExitStatus::unverified || contact == ContactFile::too_large ||
+         contact == ContactFile::out_of_time;
+}
+
+ExitStatus status_of(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,
+                     const FitArguments& arguments) {
+  const std::optional<double> gap = arguments.bound ? std::optional(*arguments.bound / 100.0) : std::nullopt;
+  return is_as_asked(problem, solution, proof, gap) ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace
+
+ExitStatus run_fit(const FitArguments& arguments) {
+  const FitProblem problem = checked_problem(arguments);
   const std::vector<Instrument> instruments = read_instruments(problem, arguments);
   for (const std::string& notice : problem.notices) tell(notice);
 
@@ -429,71 +543,60 @@ ExitStatus run_fit(const FitArguments& arguments) {
   if (!arguments.map.empty()) map.emplace(arguments.map, &problem.mesh, MapForm{.contents = contents_of(arguments)});
 
   watch_for_interruption();
+  // A Ctrl-C that ends the search has its pose proven; one that comes later ends the proofs.
+  Deadline limit(arguments.time_limit, interrupted);
+  limit.start();
   const Stopwatch search_time;
-  const FitSolution solution = search_and_bound(problem, arguments);
+  const FitSolution solution = search_and_bound(problem, arguments, limit);
   const Fit& found = solution.fit;
   const double search_seconds = search_time.seconds() - solution.bound_seconds;
 
   const double tolerance = tolerance_of(arguments, found.model);
-  const std::optional<double> certified_upper = write_bound_certificate(problem, solution, arguments);
+  const auto proofs_interrupted = [ended = interrupted()] { return !ended && interrupted(); };
+  const std::optional<double> certified_upper = write_bound_certificate(problem, solution, limit, arguments);
   const Stopwatch proof_time;
   const MappedProof mapped = prove(problem, solution,
                                    {.tolerance = tolerance,
                                     .device = arguments.device,
                                     .certificates = certifies(arguments),
-                                    .covers = certifies(arguments)},
+                                    .covers = certifies(arguments),
+                                    .interrupted = proofs_interrupted,
+                                    .out_of_time = limit.out_of_time()},
                                    !arguments.no_progress, map);
   const FitProof& proof = mapped.proof;
+  if (!proof.unfinished.empty() && proofs_interrupted()) return end_without_proof(arguments);
   std::optional<InstrumentClearance> instrument;
-  if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
+  const auto ended = either(proofs_interrupted, limit.out_of_time());
+  if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant], ended);
   const double proof_seconds = proof_time.seconds();
-  const ContactFile contact_file = write_contact_certificate(problem, found, proof, arguments);
-  const std::string contact_certificate =
-      contact_file == ContactFile::written ? arguments.contact_certificate : std::string();
-  const FitSummary summary{.fit = found,
-                           .clearance = proof.clearance,
-                           .surface = proof.surface,
-                           .instrument = instrument,
-                           .side_of = problem.surface,
-                           .required_sides = sides_required(problem, found.implant),
-                           .sides = proof.sides,
-                           .changes = proof.changes,
-                           .kept = problem.kept,
-                           .contact = proof.contact,
-                           .contact_distance = problem.options.fitness.serves.hi,
-                           .conditions = proof.conditions,
-                           .trials = solution.trials,
-                           .names = problem.names,
-                           .maximised = problem.options.objective,
-                           .landmark_radius = arguments.landmark_radius,
-                           .implant = problem.names[found.implant],
-                           .implants = problem.series.size(),
-                           .sized = !is_exact(problem.series[found.implant]),
-                           .best = compared(solution, proof, arguments),
-                           .penetration_limit = problem.options.penetration_limit,
-                           .tolerance = tolerance,
-                           .units = problem.units,
-                           .search_seconds = search_seconds,
-                           .proof_seconds = proof_seconds,
-                           .output = arguments.output,
-                           .map = arguments.map,
-                           .surface_map = arguments.surface_map,
-                           .certificate_file = arguments.certificate_file,
-                           .bound_certificate = arguments.bound_certificate,
-                           .certified_upper = certified_upper,
-                           .contact_certificate = contact_certificate};
+  const ContactFile contact_file = write_contact_certificate(problem, found, proof, limit, arguments);
+  FitSummary summary = summary_of(problem, solution, proof, arguments);
+  summary.instrument = instrument;
+  summary.search_seconds = search_seconds;
+  summary.proof_seconds = proof_seconds;
+  summary.certified_upper = certified_upper;
+  if (contact_file == ContactFile::written) summary.contact_certificate = arguments.contact_certificate;
   explain(summary);
   hint_where_to_look(summary, arguments);
   if (arguments.report.any()) write_report(problem, summary, mapped, arguments);
   std::vector<SideClaim> sides;
   if (proof.sides) sides = claims_of(*proof.sides, summary.required_sides);
-  write_certificates(problem, found.model, proof.clearance, std::move(sides),
-                     {.tolerance = tolerance, .device = arguments.device}, arguments);
+  const ExitStatus certified = write_certificates(problem, found.model, proof.clearance, std::move(sides),
+                                                  {.tolerance = tolerance,
+                                                   .device = arguments.device,
+                                                   .interrupted = proofs_interrupted,
+                                                   .out_of_time = limit.out_of_time()},
+                                                  arguments);
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
-  if (was_interrupted(solution) || contact_file == ContactFile::interrupted) return ExitStatus::interrupted;
-  if (contact_file == ContactFile::too_large) return ExitStatus::unverified;
-  const std::optional<double> gap = arguments.bound ? std::optional(*arguments.bound / 100.0) : std::nullopt;
-  return is_as_asked(problem, solution, proof, gap) ? ExitStatus::verified : ExitStatus::unverified;
+  if (was_interrupted(solution) || proofs_interrupted() || certified == ExitStatus::interrupted ||
+      contact_file == ContactFile::interrupted)
+    return ExitStatus::interrupted;
+  return lacks_certificates(summary, contact_file, certified) ? ExitStatus::unverified
+                                                              : status_of(problem, solution, proof, arguments);
+}
+
+Command fit_command() {
+  return command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit);
 }
 
 }  // namespace verisq::command_line

@@ -3,17 +3,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
-#include <verisq/fit_problem.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/features.hpp>
+#include <verisq/fit.hpp>
+#include <verisq/fit_bound.hpp>
+#include <verisq/fit_solution.hpp>
+#include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
+#include <verisq/model.hpp>
+#include <verisq/report.hpp>
 
-#include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
-#include "host/command_line/report_files.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "verisq/device.hpp"
 
 namespace verisq::command_line {
+
+// `verisq fit`: the pose and the sizes of an implant that serve a cavity best, and the proof of how well.
 
 /// As typed; `fit_request` and the library check what depends on the files or on several options.
 struct FitArguments {
@@ -44,6 +55,7 @@ struct FitArguments {
   std::optional<double>
       bound;                  ///< percent: a proof that no pose of the range is better by more; nothing: not asked for
   double bound_time = 300.0;  ///< seconds for it
+  std::optional<double> time_limit;  ///< seconds for all
   std::string bound_certificate;
   std::string contact_certificate;    ///< of areas in contact; empty when not asked for
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
@@ -65,5 +77,152 @@ void declare_fit(Options& options, FitArguments& arguments);
 /// `verified` when every enclosure is at most the tolerance wide and nothing is proven too deep. Throws Error(input)
 /// for whatever the user can correct, before the search.
 ExitStatus run_fit(const FitArguments& arguments);
+
+// What is asked of a fit, from the options and files of the user.
+
+/// Throws Error(input) naming file or option, key and value.
+[[nodiscard]] FitRequest read_fit_request(const FitArguments& arguments);
+
+// The instrument that prepares the bed of an implant, like its rasp, where the implant was fitted: how deep it cuts.
+
+struct Instrument {
+  std::string file;
+  Model model;  ///< in the frame of its implant
+};
+
+/// One an implant, in the order of the series; none where none is given. Throws Error(input) for another number of
+/// them, for units that are not those of `problem`, and as read_model.
+[[nodiscard]] std::vector<Instrument> read_instruments(const FitProblem& problem, const FitArguments& arguments);
+
+/// Of one instrument at the pose of the implant.
+struct InstrumentClearance {
+  std::string file;
+  MeshClearance surface;  ///< of the whole bone
+};
+
+/// Proves it of the chosen implant's, as much as is done when `stop` says so. Errors as mesh_clearance. Precondition: a
+/// mesh with triangles.
+[[nodiscard]] InstrumentClearance prove_instrument(const FitProblem& problem, const Fit& fit,
+                                                   const Instrument& instrument, const std::function<bool()>& stop);
+
+// What a fit leaves for those who prove its distances again: certificates in its maps and its page, and a file of what
+// the distances say together.
+
+/// Adds --certificates, --surface-map and --certificate-file.
+void declare_certificates(Options& options, FitArguments& arguments);
+
+/// Whether the distances of the vertices get certificates.
+[[nodiscard]] bool certifies(const FitArguments& arguments);
+
+/// Throws Error(input) where nothing keeps them, or they would be of another mesh than the file's.
+void check_certificates(const FitArguments& arguments);
+
+/// Throws Error(input) for what has no triangles, where their map is asked for.
+void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments);
+
+/// Of the map of the vertices.
+[[nodiscard]] MapContents contents_of(const FitArguments& arguments);
+
+/// Writes the map of whole triangles and the certificate file, where they are asked for. Precondition: the fitted
+/// model's file is written. `options`: tolerance, device and when to end; unverified where the limit
+/// left triangles wide. Throws Error(failure), and as TriangleMapper.
+[[nodiscard]] ExitStatus write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
+                                            std::vector<SideClaim> sides, const MapOptions& options,
+                                            const FitArguments& arguments);
+
+/// Writes the certificate of the bound, where it is asked for and done by the limit; else tells why not. Returns the
+/// upper end that it proves: hardly more than the bound's.
+std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
+                                              const Deadline& limit, const FitArguments& arguments);
+
+// The option --contact-certificate-file of `verisq fit`: what proves its areas in contact again.
+
+/// Adds it.
+void declare_contact_certificate(Options& options, FitArguments& arguments);
+
+/// Throws Error(input) where the mesh is not that of the file, or is no file that a digest can name.
+void check_contact_certificate(const FitArguments& arguments);
+
+/// Throws Error(input) for a mesh without triangles, where it is asked for.
+void refuse_what_has_no_contact(const FitProblem& problem, const FitArguments& arguments);
+
+/// What became of the file.
+enum class ContactFile : std::uint8_t { not_asked_for, written, interrupted, out_of_time, too_large };
+
+/// Writes it where it is asked for, with the areas that the fit found as far as they are proven; of others, and of a
+/// file that is not written, tells on the standard error. A Ctrl-C ends it, unless one had come before, and
+/// the limit does. Precondition: the fitted model's file is written. Throws Error(failure).
+[[nodiscard]] ContactFile write_contact_certificate(const FitProblem& problem, const Fit& fit, const FitProof& proof,
+                                                    const Deadline& limit, const FitArguments& arguments);
+
+// The certified summary of a fit: for people, for a report, or as one JSON object.
+
+/// What no pose of the range exceeds, and how far from it the fit is.
+struct BestPossible {
+  FitBound bound;
+  double asked;  ///< share of the bound that the fit may be below it
+  /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing unless every
+  /// vertex is proven to keep the limit that the bound is for, and the objective to be positive.
+  std::optional<double> gap;
+  double seconds;  ///< wall time
+};
+
+struct FitSummary {
+  Fit fit;
+  Clearance clearance;
+  std::optional<MeshClearance> surface;           ///< nothing where only vertices keep the limit
+  std::optional<InstrumentClearance> instrument;  ///< of the chosen implant's; nothing where none is given
+  FitSurface side_of;
+  std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
+  std::optional<Sides> sides;               ///< likewise
+  FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
+  std::vector<KeptFeature> kept;            ///< ranges asked of them
+  std::optional<ContactAreas> contact;      ///< nothing for a mesh without triangles
+  double contact_distance;                  ///< no farther is contact
+  std::vector<FitCondition> conditions;     ///< all that is asked
+  std::vector<std::string> unfinished;      ///< what the time limit left open
+  std::vector<FitTrial> trials;             ///< what was not chosen
+  std::vector<std::string> names;           ///< files of the series
+  FitObjective maximised;
+  double landmark_radius;
+  std::string implant;               ///< file of the chosen one
+  std::size_t implants;              ///< in the series
+  bool sized;                        ///< the chosen one has sizes to choose from
+  std::optional<BestPossible> best;  ///< nothing where it is not asked for, or the search was interrupted
+  double penetration_limit;
+  double tolerance;
+  std::string units;                   ///< empty when not given
+  double search_seconds;               ///< wall time
+  double proof_seconds;                ///< wall time
+  std::string output;                  ///< the fitted model
+  std::string map;                     ///< empty when not asked for
+  std::string surface_map = {};        ///< likewise
+  std::string certificate_file = {};   ///< likewise
+  std::string bound_certificate = {};  ///< likewise
+  /// Of the bound, what that proves; nothing where it was not written.
+  std::optional<double> certified_upper = {};
+  std::string contact_certificate = {};  ///< empty when not written
+};
+
+/// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
+[[nodiscard]] double largest_objective(const Clearance& clearance);
+
+/// A sentence for each change that is not known, or not proven to be within what is asked.
+[[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
+
+/// A sentence for each area of contact that is not proven to be within what is asked.
+[[nodiscard]] std::vector<std::string> broken_contacts(const FitSummary& summary);
+
+/// A sentence for each primitive that is not proven to lie where it has to.
+[[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);
+
+/// What is proven, the most important first, areas included. Digits are rounded outward.
+[[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);
+
+/// The same with a table of the areas, devices, times and files.
+[[nodiscard]] std::string readable(const FitSummary& summary);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const FitSummary& summary);
 
 }  // namespace verisq::command_line

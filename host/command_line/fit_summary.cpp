@@ -1,6 +1,5 @@
-/// The forms of the summary.
-#include "host/command_line/fit_summary.hpp"
-
+/// The certified summary of a fit, and of the instrument that prepares the implant's bed.
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,19 +7,50 @@
 #include <filesystem>
 #include <span>
 #include <tuple>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 
-#include "host/command_line/directed_digits.hpp"
-#include "host/command_line/json_value.hpp"
-#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/fit_command.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/errors/refusal.hpp"
 #include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
+
+std::vector<Instrument> read_instruments(const FitProblem& problem, const FitArguments& arguments) {
+  if (arguments.instruments.empty()) return {};
+  if (arguments.instruments.size() != arguments.implants.size()) {
+    refuse(fmt::format("--instrument: give one for each --implant, in the same order: {} for {}",
+                       arguments.instruments.size(), arguments.implants.size()));
+  }
+  if (problem.mesh.triangles.empty()) {
+    refuse(fmt::format("--instrument: {} has no triangles to cut", arguments.mesh));
+  }
+  std::vector<Instrument> instruments;
+  for (const std::string& file : arguments.instruments) {
+    instruments.push_back({file, read_model(file)});
+    const std::string& units = instruments.back().model.units;
+    if (units == problem.units || units.empty()) continue;
+    refuse(fmt::format("{}: units = {}: are not those of the implants, {}", file, quotation(units),
+                       quotation(problem.units)));
+  }
+  return instruments;
+}
+
+InstrumentClearance prove_instrument(const FitProblem& problem, const Fit& fit, const Instrument& instrument,
+                                     const std::function<bool()>& stop) {
+  MapOptions options{};  // the tolerance is the problem's
+  options.interrupted = stop;
+  return {instrument.file, prove_surface(problem, posed(instrument.model, fit.pose), options)};
+}
+
 namespace {
 
 using Lines = std::vector<ReportLine>;
 
 std::string units_of(const FitSummary& summary) {
-  return summary.units.empty() ? std::string() : " " + summary.units;
+  return units_behind(summary.units);
 }
 
 /// Rounded down, so that "100.0 %" is said of all points only.
@@ -57,18 +87,18 @@ std::string numbers(std::span<const double> values) {
 
 Lines pose_lines(const FitSummary& summary) {
   const Pose& pose = summary.fit.pose;
-  Lines lines{{"implant", summary.implant},
+  Lines lines{{"implant", quotation(summary.implant)},
               {"translation", numbers(pose.translation) + units_of(summary)},
               {"quaternion", numbers(pose.quaternion)}};
   const auto& [centre, rotation, at_limits] = summary.fit.movement;
-  lines.push_back({"moved", fmt::format("({:.4g}) {} of its centre, from the start; turned by {:.4g} degrees about it",
-                                        fmt::join(centre, ", "), summary.units.empty() ? "units" : summary.units,
+  lines.push_back({"moved", fmt::format("({:.4g}){} of its centre, from the start; turned by {:.4g} degrees about it",
+                                        fmt::join(centre, ", "), summary.units.empty() ? " units" : units_of(summary),
                                         std::hypot(rotation[0], rotation[1], rotation[2]))});
-  if (!at_limits.empty()) lines.push_back({"  ended by the range", fmt::format("{}", fmt::join(at_limits, ", "))});
+  if (!at_limits.empty()) lines.push_back({"  ended by the range", quotation(at_limits)});
   if (!summary.sized) return lines;
   for (const Primitive& primitive : summary.fit.model.primitives) {
-    lines.push_back({"semi-axes", fmt::format("{} {}{}", primitive.name, numbers(primitive.superquadric.semi_axes),
-                                              units_of(summary))});
+    lines.push_back({"semi-axes", fmt::format("{}{} of {}", numbers(primitive.superquadric.semi_axes),
+                                              units_of(summary), quotation(primitive.name))});
   }
   return lines;
 }
@@ -85,7 +115,7 @@ Lines instrument_lines(const FitSummary& summary) {
   if (!summary.instrument) return {};
   const auto& [file, surface] = *summary.instrument;
   const std::string units = units_of(summary);
-  return {{"instrument", fmt::format("{}, where the implant lies", file)},
+  return {{"instrument", fmt::format("{}, where the implant lies", quotation(file))},
           {"  bone's surface", fmt::format("nowhere deeper inside it than {}{}, proven",
                                            upper_digits(std::max(0.0, -surface.smallest_distance.lo)), units)},
           {"  smallest distance", outward_digits(surface.smallest_distance) + units},
@@ -142,13 +172,13 @@ std::string names_where(const FitSummary& summary, const Holds& holds) {
     if (holds(summary.required_sides[k], summary.sides->of_primitives[k]))
       names.push_back(name_of_primitive(summary.fit.model, k));
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return quotation(names);
 }
 
 /// What the limit of penetration takes out of what is proven of a part; "" where it is 0.
 std::string exemption(const FitSummary& summary) {
   if (summary.penetration_limit == 0.0) return "";
-  return fmt::format(", but for what lies at most {:.10g}{} deep in them", summary.penetration_limit,
+  return fmt::format(", but for what lies at most {:.10g}{} deep in them,", summary.penetration_limit,
                      units_of(summary));
 }
 
@@ -163,7 +193,7 @@ Lines side_lines(const FitSummary& summary) {
     const std::string open = names_where(summary, [&](SurfaceSide required, SideFinding found) {
       return required == side && found != SideFinding::kept;
     });
-    std::string text = proven.empty() ? "" : fmt::format("proven of {}{}", proven, exemption(summary));
+    std::string text = proven.empty() ? "" : fmt::format("proven{} of {}", exemption(summary), proven);
     if (!open.empty()) text += fmt::format("{}NOT PROVEN of {}", proven.empty() ? "" : "; ", open);
     lines.push_back({fmt::format("{} the {}", to_string(side), surface_name(summary.side_of)), text});
   }
@@ -173,8 +203,8 @@ Lines side_lines(const FitSummary& summary) {
   return lines;
 }
 
-std::string_view unit_of(const Feature& feature, const FitSummary& summary) {
-  return feature.unit == FeatureUnit::degrees ? std::string_view("degrees") : std::string_view(summary.units);
+std::string unit_of(const Feature& feature, const FitSummary& summary) {
+  return feature.unit == FeatureUnit::degrees ? " degrees" : units_of(summary);
 }
 
 std::string in_words(const KeptFeature& kept) {
@@ -184,7 +214,7 @@ std::string in_words(const KeptFeature& kept) {
 /// Under which what is proven of changes holds; "" where landmarks are exact.
 std::string condition(const FitSummary& summary) {
   if (summary.landmark_radius == 0.0) return "";
-  return fmt::format(" for all landmarks within {:.10g} {}", summary.landmark_radius, summary.units);
+  return fmt::format(" for all landmarks within {:.10g}{}", summary.landmark_radius, units_of(summary));
 }
 
 std::string verdict(const FitSummary& summary, const Enclosure& value, const KeptFeature& kept) {
@@ -213,7 +243,7 @@ std::optional<bool> is_kept(const FitSummary& summary, const Feature& change) {
 Lines change_lines(const FitSummary& summary) {
   Lines lines;
   for (const Feature& change : summary.changes.features) {
-    std::string text = fmt::format("{} {}", outward_digits(change.value), unit_of(change, summary));
+    std::string text = outward_digits(change.value) + unit_of(change, summary);
     for (const KeptFeature& kept : summary.kept) {
       if (kept.name == change.name) text += "; " + verdict(summary, change.value, kept);
     }
@@ -259,10 +289,13 @@ std::string verdict_of_contact(const FitSummary& summary, const std::string& nam
 
 ReportLine contact_line(const FitSummary& summary, const std::string& name, const AreaWithin& contact) {
   constexpr int digits = 4;
-  const std::string squares = summary.units.empty() ? std::string() : fmt::format(" {}^2", summary.units);
-  return {"  " + name, fmt::format("{} %, {} of {}{}{}", outward_digits(claim_of(contact).percent, digits),
-                                   outward_digits(contact.within, digits), outward_digits(contact.area, digits),
-                                   squares, verdict_of_contact(summary, name))};
+  const std::size_t colon = name.find(':');
+  const std::string area =
+      colon == std::string::npos ? "" : fmt::format("; area {}", quotation(std::string_view(name).substr(colon + 1)));
+  return {fmt::format("  {}", name.substr(0, colon)),
+          fmt::format("{} %, {} of {}{}{}{}", outward_digits(claim_of(contact).percent, digits),
+                      outward_digits(contact.within, digits), outward_digits(contact.area, digits),
+                      units_behind(summary.units, 2), verdict_of_contact(summary, name), area)};
 }
 
 Lines contact_lines(const FitSummary& summary) {
@@ -279,25 +312,29 @@ Lines contact_lines(const FitSummary& summary) {
   return lines;
 }
 
-/// Conditions, ranges and sizes.
-std::vector<std::string> what_binds(const FitSummary& summary) {
+enum class Readers { people, programs };
+
+/// Conditions, ranges and sizes: for people with names in quotation marks, behind the numbers.
+std::vector<std::string> what_binds(const FitSummary& summary, Readers readers) {
+  const bool people = readers == Readers::people;
   std::vector<std::string> names;
   for (const FitCondition& condition : summary.conditions) {
     if (!condition.binds) continue;
-    names.push_back(fmt::format("{} at {:.10g}", condition.name,
-                                *condition.binds == RangeEnd::lower ? condition.range->lo : condition.range->hi));
+    const double end = *condition.binds == RangeEnd::lower ? condition.range->lo : condition.range->hi;
+    names.push_back(people ? fmt::format("at {:.10g} {}", end, quotation(condition.name))
+                           : fmt::format("{} at {:.10g}", condition.name, end));
   }
-  for (const std::string& limit : summary.fit.movement.at_limits) names.push_back(limit);
+  for (const std::string& limit : summary.fit.movement.at_limits) names.push_back(people ? quotation(limit) : limit);
   return names;
 }
 
 Lines binding_lines(const FitSummary& summary) {
-  const std::vector<std::string> names = what_binds(summary);
+  const std::vector<std::string> names = what_binds(summary, Readers::people);
   return {{"binding", names.empty() ? "no condition, no range" : fmt::format("{}", fmt::join(names, ", "))}};
 }
 
 std::string volume(const FitSummary& summary, double size) {
-  return fmt::format("about {:.4g}{}", size, summary.units.empty() ? "" : fmt::format(" {}^3", summary.units));
+  return fmt::format("about {:.4g}{}", size, units_behind(summary.units, 3));
 }
 
 Lines size_lines(const FitSummary& summary) {
@@ -319,15 +356,15 @@ Lines size_lines(const FitSummary& summary) {
 /// What is known of one that was not chosen.
 std::string in_words(const FitSummary& summary, const FitTrial& trial) {
   const FitFinalist& found = trial.fit;
-  std::string text = fmt::format(
-      "{}, F about {:.6g}", std::filesystem::path(summary.names[found.implant]).filename().string(), found.objective);
+  std::string text = fmt::format("F about {:.6g}", found.objective);
   if (summary.maximised == FitObjective::size || summary.implants > 1) text += ", size " + volume(summary, trial.size);
   if (found.deepest_penetration > summary.penetration_limit)
     text += fmt::format(", bone about {:.3g}{} deep in it", found.deepest_penetration, units_of(summary));
   for (const Feature& change : trial.changes.features)
-    text += fmt::format("; {} {} {}", change.name, outward_digits(change.value, 4), unit_of(change, summary));
-  if (!trial.open.empty()) text += fmt::format("; not proven: {}", fmt::join(trial.open, ", "));
-  return text + (trial.kept ? "" : "; limit, sides and contact not tried to be proven");
+    text += fmt::format("; {} {}{}", change.name, outward_digits(change.value, 4), unit_of(change, summary));
+  if (!trial.open.empty()) text += fmt::format("; not proven: {}", quotation(trial.open));
+  if (!trial.kept) text += "; limit, sides and contact not tried to be proven";
+  return text + "; " + quotation(std::filesystem::path(summary.names[found.implant]).filename().string());
 }
 
 Lines trial_lines(const FitSummary& summary) {
@@ -378,33 +415,36 @@ Lines area_lines(const FitSummary& summary) {
                           outward_digits(area.smallest_distance), units, outward_digits(area.mean_distance), units,
                           outward_digits(area.median_distance), units, outward_digits(area.distance_of_95), units);
     }
-    lines.push_back({"area " + area.area.name, text});
+    lines.push_back({"area", text + "; named " + quotation(area.area.name)});
   }
   return lines;
 }
 
 Lines run_lines(const FitSummary& summary) {
   const auto& [fit, clearance] = std::tie(summary.fit, summary.clearance);
-  Lines lines{{"search", fmt::format("{:.3g} s on {}, {} poses", summary.search_seconds, fit.device,
-                                     with_prefix(static_cast<double>(fit.poses)))},
-              {"proof", fmt::format("{:.3g} s on {} (device {:.3g} s, host proofs {:.3g} s)", summary.proof_seconds,
-                                    clearance.map.device, clearance.map.device_seconds, clearance.map.host_seconds)},
-              {"fitted model", summary.output}};
+  Lines lines{
+      {"search", fmt::format("{:.3g} s, {} poses on {}", summary.search_seconds,
+                             with_prefix(static_cast<double>(fit.poses)), quotation(fit.device))},
+      {"proof", fmt::format("{:.3g} s (device {:.3g} s, host proofs {:.3g} s) on {}", summary.proof_seconds,
+                            clearance.map.device_seconds, clearance.map.host_seconds, quotation(clearance.map.device))},
+      {"fitted model", quotation(summary.output)}};
   if (summary.best) {
     lines.push_back({"bound", fmt::format("{:.3g} s, {} boxes of poses", summary.best->seconds,
                                           with_prefix(static_cast<double>(summary.best->bound.boxes)))});
   }
-  if (!summary.map.empty()) lines.push_back({"map", summary.map});
-  if (!summary.surface_map.empty()) lines.push_back({"map of triangles", summary.surface_map});
-  if (!summary.certificate_file.empty()) lines.push_back({"certificate", summary.certificate_file});
+  if (!summary.map.empty()) lines.push_back({"map", quotation(summary.map)});
+  if (!summary.surface_map.empty()) lines.push_back({"map of triangles", quotation(summary.surface_map)});
+  if (!summary.certificate_file.empty()) lines.push_back({"certificate", quotation(summary.certificate_file)});
   if (summary.certified_upper) {
     const double upper = *summary.certified_upper;
-    lines.push_back({"certificate of bound",
-                     fmt::format("{}: {}", summary.bound_certificate,
-                                 upper == -infinity ? "no pose keeps the limit"
-                                                    : fmt::format("of F at most {}", upper_digits(upper)))});
+    lines.push_back(
+        {"certificate of bound", fmt::format("{}, {}",
+                                             upper == -infinity ? "no pose keeps the limit"
+                                                                : fmt::format("of F at most {}", upper_digits(upper)),
+                                             quotation(summary.bound_certificate))});
   }
-  if (!summary.contact_certificate.empty()) lines.push_back({"contact certificate", summary.contact_certificate});
+  if (!summary.contact_certificate.empty())
+    lines.push_back({"contact certificate", quotation(summary.contact_certificate)});
   return lines;
 }
 
@@ -415,31 +455,29 @@ std::string text_of(const Lines& lines) {
 }
 
 /// Of each area that has points, in units of the model.
-std::string distance_table(const FitSummary& summary, std::size_t widest) {
+std::string distance_table(const FitSummary& summary) {
   constexpr int digits = 4;
-  std::string text =
-      fmt::format("{:<{}}  {:<20}{:<20}95 % of the points at most\n", "area", widest, "mean distance", "median");
+  std::string text = fmt::format("{:<20}{:<20}{:<28}area\n", "mean distance", "median", "95 % of the points at most");
   for (const AreaClearance& area : summary.clearance.areas) {
     if (area.points == 0) continue;
-    text += fmt::format("{:<{}}  {:<20}{:<20}{}{}\n", area.area.name, widest,
-                        outward_digits(area.mean_distance, digits), outward_digits(area.median_distance, digits),
-                        outward_digits(area.distance_of_95, digits), units_of(summary));
+    text += fmt::format("{:<20}{:<20}{:<28}{}\n", outward_digits(area.mean_distance, digits),
+                        outward_digits(area.median_distance, digits),
+                        outward_digits(area.distance_of_95, digits) + units_of(summary), quotation(area.area.name));
   }
   return text;
 }
 
 std::string area_table(const FitSummary& summary) {
-  std::size_t widest = 4;
-  for (const AreaClearance& area : summary.clearance.areas) widest = std::max(widest, area.area.name.size());
-  std::string text = fmt::format("\n{:<{}}{:>10}{:>10}{:>10}{:>10}{:>11}  smallest distance\n", "area", widest,
-                                 "weight", "points", "within", "outside", "undecided");
+  std::string text = fmt::format("\n{:<10}{:>10}{:>10}{:>10}{:>11}  {:<28}area\n", "weight", "points", "within",
+                                 "outside", "undecided", "smallest distance");
   for (const AreaClearance& area : summary.clearance.areas) {
-    text += fmt::format("{:<{}}{:>10.6g}{:>10}{:>10}{:>10}{:>11}  {}\n", area.area.name, widest, area.area.weight,
-                        area.points, percentage(area.proven_within, area.points),
-                        percentage_up(area.proven_outside, area.points), percentage_up(area.undecided, area.points),
-                        area.points > 0 ? outward_digits(area.smallest_distance) + units_of(summary) : "-");
+    text += fmt::format("{:<10.6g}{:>10}{:>10}{:>10}{:>11}  {:<28}{}\n", area.area.weight, area.points,
+                        percentage(area.proven_within, area.points), percentage_up(area.proven_outside, area.points),
+                        percentage_up(area.undecided, area.points),
+                        area.points > 0 ? outward_digits(area.smallest_distance) + units_of(summary) : "-",
+                        quotation(area.area.name));
   }
-  return text + "\n" + distance_table(summary, widest) + "\n";
+  return text + "\n" + distance_table(summary) + "\n";
 }
 
 JsonValue sizes(const FitSummary& summary) {
@@ -586,7 +624,7 @@ JsonValue finalists_json(const FitSummary& summary) {
 
 JsonValue binding_json(const FitSummary& summary) {
   JsonValue::Array names;
-  for (const std::string& name : what_binds(summary)) names.emplace_back(name);
+  for (const std::string& name : what_binds(summary, Readers::programs)) names.emplace_back(name);
   return names;
 }
 
@@ -625,13 +663,14 @@ std::vector<std::string> broken_features(const FitSummary& summary) {
   std::vector<std::string> sentences;
   for (const KeptFeature& kept : summary.kept) {
     if (std::ranges::find(summary.changes.features, kept.name, &Feature::name) == summary.changes.features.end())
-      sentences.push_back(fmt::format("{} is not known in this pose, which --keep asks of", kept.name));
+      sentences.push_back(fmt::format("{} is not known in this pose, which --keep asks of", quotation(kept.name)));
   }
   for (const Feature& change : summary.changes.features) {
     const std::optional<bool> kept = is_kept(summary, change);
     if (!is_asked(summary, change) || kept == true) continue;
-    sentences.push_back(fmt::format("{} is {}, {} within what --keep asks{}", change.name, outward_digits(change.value),
-                                    kept ? "proven not to be" : "not proven to be", kept ? condition(summary) : ""));
+    sentences.push_back(fmt::format("{}: {} within what --keep asks{} of {}", outward_digits(change.value),
+                                    kept ? "proven not to be" : "not proven to be", kept ? condition(summary) : "",
+                                    quotation(change.name)));
   }
   return sentences;
 }
@@ -640,9 +679,9 @@ std::vector<std::string> broken_contacts(const FitSummary& summary) {
   std::vector<std::string> sentences;
   for (const FitCondition& condition : summary.conditions) {
     if (condition.unit != ConditionUnit::percent || condition.kept == true) continue;
-    sentences.push_back(fmt::format("{} is {} %, {} within what --keep asks", condition.name,
-                                    outward_digits(*condition.value, 4),
-                                    condition.kept ? "proven not to be" : "not proven to be"));
+    sentences.push_back(fmt::format("{} %: {} within what --keep asks of {}", outward_digits(*condition.value, 4),
+                                    condition.kept ? "proven not to be" : "not proven to be",
+                                    quotation(condition.name)));
   }
   return sentences;
 }
@@ -652,7 +691,7 @@ std::vector<std::string> broken_sides(const FitSummary& summary) {
   for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
     const SideFinding found = summary.sides->of_primitives[k];
     if (found == SideFinding::kept) continue;
-    sentences.push_back(fmt::format("{} {}", name_of_primitive(summary.fit.model, k),
+    sentences.push_back(fmt::format("{} {}", quotation(name_of_primitive(summary.fit.model, k)),
                                     in_words(found, summary.required_sides[k], summary.side_of)));
   }
   return sentences;
@@ -667,6 +706,33 @@ std::string readable(const FitSummary& summary) {
   return text_of(joined({pose_lines(summary), proven_lines(summary), point_lines(summary)})) + area_table(summary) +
          text_of(joined({trial_lines(summary), run_lines(summary)}));
 }
+
+namespace {
+
+JsonObject search_json(const FitSummary& summary) {
+  const Fit& fit = summary.fit;
+  return {{"objective", fit.objective},
+          {"deepest_penetration", fit.deepest_penetration},
+          {"within_limit", fit.within_limit},
+          {"poses", fit.poses},
+          {"device", fit.device},
+          {"notice", fit.notice},
+          {"seconds", summary.search_seconds},
+          {"interrupted", fit.interrupted},
+          {"out_of_time", fit.out_of_time}};
+}
+
+JsonObject proof_json(const FitSummary& summary) {
+  const MapSummary& map = summary.clearance.map;
+  return {{"device", map.device},
+          {"notice", map.notice},
+          {"seconds", summary.proof_seconds},
+          {"device_seconds", map.device_seconds},
+          {"host_seconds", map.host_seconds},
+          {"unfinished", summary.unfinished}};
+}
+
+}  // namespace
 
 std::string json(const FitSummary& summary) {
   const auto& [fit, clearance, map] = std::tie(summary.fit, summary.clearance, summary.clearance.map);
@@ -705,19 +771,8 @@ std::string json(const FitSummary& summary) {
       {"largest_width", map.largest_width},
       {"tolerance", summary.tolerance},
       {"units", summary.units},
-      {"search", JsonObject{{"objective", fit.objective},
-                            {"deepest_penetration", fit.deepest_penetration},
-                            {"within_limit", fit.within_limit},
-                            {"poses", fit.poses},
-                            {"device", fit.device},
-                            {"notice", fit.notice},
-                            {"seconds", summary.search_seconds},
-                            {"interrupted", fit.interrupted}}},
-      {"proof", JsonObject{{"device", map.device},
-                           {"notice", map.notice},
-                           {"seconds", summary.proof_seconds},
-                           {"device_seconds", map.device_seconds},
-                           {"host_seconds", map.host_seconds}}},
+      {"search", search_json(summary)},
+      {"proof", proof_json(summary)},
       {"interrupted", fit.interrupted},
       {"output", summary.output},
       {"map", summary.map},

@@ -1,49 +1,345 @@
-/// Reads an implant, a bone and a path, and writes the smallest distances along it.
-#include "host/command_line/insert_command.hpp"
-
+/// `verisq insert`: how deep an implant cuts into the bone on its way in, for each vertex of a mesh, and how much bone
+/// it takes away.
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
-#include <verisq/bone_region.hpp>
 #include <verisq/certificate_file.hpp>
-#include <verisq/certified_insertion.hpp>
-#include <verisq/certified_removed_volume.hpp>
-#include <verisq/certified_way_surface.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/insertion.hpp>
-#include <verisq/least_removal.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/mesh_file.hpp>
-#include <verisq/pose_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/report.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/choice.hpp"
-#include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/directed_digits.hpp"
-#include "host/command_line/direction_option.hpp"
-#include "host/command_line/finite_number.hpp"
-#include "host/command_line/insert_summary.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/messages.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/plane_option.hpp"
-#include "host/command_line/posed_input.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/stopwatch.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/maps/summary_count.hpp"
+#include "host/maps/certified_rows.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/numbers/points.hpp"
 
 namespace verisq::command_line {
+
+// What `verisq insert` says about the whole bone: for people, or as one JSON object.
+
+struct InsertReport {
+  MapSummary summary = {};
+  std::uint64_t proven_cut = 0;        ///< points with hi < 0: the implant passes through them
+  std::uint64_t proven_untouched = 0;  ///< points with lo >= 0: no point of its inside ever reaches them
+  std::uint64_t undecided = 0;
+  Enclosure deepest_penetration{0.0, 0.0};  ///< of all points; [0, 0] where all are untouched
+  std::size_t poses = 0;
+  std::string output = {};  ///< the file that holds the map; empty when none was kept
+  std::string units = {};   ///< of the implant; empty when not given
+  double tolerance = 0.0;
+  double seconds = 0.0;                       ///< wall time of all
+  std::optional<MeshClearance> surface = {};  ///< of whole triangles along the path, where asked for
+  double surface_seconds = 0.0;
+  std::optional<RemovedVolume> removed = {};        ///< where asked for
+  double volume_tolerance = 0.0;                    ///< of the volume's lower end
+  double least_volume_tolerance = 0.0;              ///< in cubic units: so wide it may be, however small the volume is
+  double volume_seconds = 0.0;                      ///< wall time of the volume
+  std::optional<WayIn> way = {};                    ///< of paths that are not given pose by pose
+  std::optional<LeastRemoval> search = {};          ///< of that way among others, where asked for
+  std::string certificate = {};                     ///< the certificates' file; empty when not written
+  bool certified_points = false;                    ///< they are of the rows
+  std::uint64_t looser_certificates = 0;            ///< rows of which they prove less than the map says
+  std::optional<Enclosure> certified_surface = {};  ///< what they prove of the whole surface
+  std::optional<Enclosure> certified_volume = {};   ///< what they prove of the removed volume
+  std::string page = {};                            ///< the report's file; empty when not written
+  std::string picture = {};
+  double degrees_off = 0.0;  ///< its direction of the one that was given, about
+
+  /// Whatever of it.
+  [[nodiscard]] bool interrupted() const;
+};
+
+/// Counts the rows; the rest of the report is the caller's.
+void count(const Insertion& insertion, InsertReport& report);
+
+[[nodiscard]] std::string readable(const InsertReport& report);
+
+/// What of it a reader of the page wants to know.
+[[nodiscard]] std::vector<ReportLine> report_lines(const InsertReport& report);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const InsertReport& report);
+
+// `verisq insert`: how deep an implant cuts into the bone on its way in, for each vertex of a mesh, and how much bone
+// it takes away.
+
+/// As typed; `run_insert` checks what depends on several options.
+struct InsertArguments {
+  InsertionInputs inputs;
+  std::optional<double> search_cone;       ///< degrees: the best of the ways whose direction is so much off
+  std::optional<double> search_turn;       ///< degrees: and whose turn differs so much
+  MapElements on = MapElements::vertices;  ///< triangles: of the whole surface, too
+  bool cavity = false;                     ///< the mesh is that of a cavity
+  bool bone = false;                       ///< the mesh is the bone's outer surface
+  std::optional<std::string> within;
+  std::optional<Plane> resection;
+  std::optional<double> volume_tolerance;  ///< relative
+  std::string device = "auto";
+  std::string output;
+  std::string certificate_file;  ///< empty: none
+  ReportFiles report;
+  std::optional<double> time_limit;  ///< in seconds
+  bool json = false;
+  bool no_progress = false;
+};
+
+void declare_insert(Options& options, InsertArguments& arguments);
+
+/// Throws Error(input) for what the user can correct, before the first distance is computed.
+ExitStatus run_insert(const InsertArguments& arguments);
+
+namespace {
+
+Enclosure penetration(const Enclosure& distance) {
+  return {std::max(0.0, -distance.hi), std::max(0.0, -distance.lo)};
+}
+
+std::string readable_surface(const InsertReport& report) {
+  if (!report.surface) return {};
+  const MeshClearance& surface = *report.surface;
+  const auto units = units_behind(report.units);
+  return fmt::format("whole surface        deepest penetration {}{}\n",
+                     outward_digits(penetration(surface.smallest_distance)), units) +
+         fmt::format("  proven cut         {} triangles\n", surface.proven_too_deep) +
+         fmt::format("  proven untouched   {} triangles\n", surface.proven_within) +
+         fmt::format("  undecided          {} triangles\n", surface.undecided) +
+         fmt::format("  samples            {}, {:.3g} s\n", surface.samples, report.surface_seconds);
+}
+
+std::string readable_volume(const InsertReport& report) {
+  if (!report.removed) return {};
+  const RemovedVolume& removed = *report.removed;
+  const auto units = units_behind(report.units, 3);
+  const auto rims = std::accumulate(removed.rims.begin(), removed.rims.end(), std::size_t{0});
+  return fmt::format("removed bone         {}{}{}\n", outward_digits(removed.volume), units,
+                     removed.within_tolerance ? "" : ", wider than asked for") +
+         (removed.volume.hi > 0.0 ? "" : "  no bone lies in the implant's way: are both in the same coordinates?\n") +
+         fmt::format("  width asked for    {:.3g} of its lower end{}\n", report.volume_tolerance,
+                     report.least_volume_tolerance > 0.0
+                         ? fmt::format(", or {:.3g}{}", report.least_volume_tolerance, units)
+                         : std::string()) +
+         fmt::format("  closed over        {} {}\n", rims, rims == 1 ? "rim" : "rims") +
+         fmt::format("  cubes              {}, {:.3g} s\n", removed.cubes, report.volume_seconds);
+}
+
+std::string numbers(const Point& v) {
+  return fmt::format("{:.17g}, {:.17g}, {:.17g}", v[0], v[1], v[2]);
+}
+
+std::string readable_way(const InsertReport& report) {
+  if (!report.way) return {};
+  auto text = fmt::format("way in               along ({}), turning by {:.17g} degrees\n",
+                          numbers(report.way->direction), report.way->turn_degrees);
+  if (!report.search) return text;
+  const auto units = units_behind(report.units, 3);
+  text += fmt::format("  off the given one  {:.4g} degrees\n", report.degrees_off);
+  text += fmt::format("  the given one      takes away {}{}\n", outward_digits(report.search->of_middle), units);
+  text += fmt::format("  best of            {} ways tried, {} of them proven worse\n", report.search->tried,
+                      report.search->worse);
+  return text;
+}
+
+std::optional<JsonObject> json_of_way(const InsertReport& report) {
+  if (!report.way) return std::nullopt;
+  return JsonObject{
+      {"direction", report.way->direction}, {"length", report.way->length}, {"turn_degrees", report.way->turn_degrees}};
+}
+
+std::optional<JsonObject> json_of_search(const InsertReport& report) {
+  if (!report.search) return std::nullopt;
+  return JsonObject{{"removed_volume_of_given", report.search->of_middle},
+                    {"degrees_off_given", report.degrees_off},
+                    {"tried", report.search->tried},
+                    {"proven_worse", report.search->worse}};
+}
+
+std::string subjects_of_certificate(const InsertReport& report) {
+  if (!report.certified_points) return "the removed bone alone";
+  std::string subjects = report.certified_surface ? "the distances of the points, and of the whole surface"
+                                                  : "the distances of the points";
+  if (report.certified_volume) return subjects + ", and of the removed bone";
+  return report.certified_surface ? subjects : subjects + " alone";
+}
+
+bool is_surface_certified_less(const InsertReport& report) {
+  return report.certified_surface && report.certified_surface->width() > report.surface->smallest_distance.width();
+}
+
+bool is_volume_certified_less(const InsertReport& report) {
+  return report.certified_volume && report.certified_volume->width() > report.removed->volume.width();
+}
+
+}  // namespace
+
+void count(const Insertion& insertion, InsertReport& report) {
+  report.summary = insertion.summary;
+  for (const MapResult& row : insertion.rows) {
+    if (row.distance.hi < 0.0)
+      ++report.proven_cut;
+    else if (row.distance.lo >= 0.0)
+      ++report.proven_untouched;
+    else
+      ++report.undecided;
+  }
+  report.deepest_penetration = penetration({report.summary.minimum_lo, report.summary.minimum_hi});
+}
+
+bool InsertReport::interrupted() const {
+  return summary.interrupted || (surface && surface->interrupted) || (removed && removed->interrupted) ||
+         (search && search->interrupted);
+}
+
+std::string readable(const InsertReport& report) {
+  const auto& summary = report.summary;
+  const auto units = units_behind(report.units);
+  const auto& [lo, hi] = report.deepest_penetration;
+  auto text = fmt::format("points               {}\n", summary.points);
+  text += fmt::format("  proven cut         {}\n", report.proven_cut);
+  text += fmt::format("  proven untouched   {}\n", report.proven_untouched);
+  text += fmt::format("  undecided          {}\n", report.undecided);
+  text += fmt::format("deepest penetration  [{}, {}]{}\n", lo, hi, units);
+  text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+  text += readable_surface(report);
+  text += readable_volume(report);
+  text += readable_way(report);
+  text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
+  text += fmt::format("device               {}\n", quotation(summary.device));
+  text += fmt::format("tolerance            {:.3g}{}\n", report.tolerance, units);
+  text += fmt::format("  device-verified    {}\n", summary.device_verified);
+  text += fmt::format("  host-verified      {}\n", summary.host_verified);
+  text += fmt::format("  wide               {}\n", summary.wide);
+  text += fmt::format("largest width        {}{}\n", upper_digits(summary.largest_width), units);
+  text += fmt::format("time                 {:.3g} s (device {:.3g} s, host proofs {:.3g} s)\n", report.seconds,
+                      summary.device_seconds, summary.host_seconds);
+  text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : quotation(report.output));
+  if (!report.certificate.empty()) {
+    text +=
+        fmt::format("certificate          {}, of {}\n", quotation(report.certificate), subjects_of_certificate(report));
+    if (report.looser_certificates > 0)
+      text += fmt::format("  proves less        of {} points than the map says\n", report.looser_certificates);
+    if (is_surface_certified_less(report))
+      text += fmt::format("  proves less        of the whole surface: smallest distance {}\n",
+                          outward_digits(*report.certified_surface));
+    if (is_volume_certified_less(report))
+      text += fmt::format("  proves less        of the removed bone: {}\n", outward_digits(*report.certified_volume));
+  }
+  if (!report.page.empty()) text += fmt::format("report               {}\n", quotation(report.page));
+  if (!report.picture.empty()) text += fmt::format("picture              {}\n", quotation(report.picture));
+  return text;
+}
+
+std::vector<ReportLine> report_lines(const InsertReport& report) {
+  const auto units = units_behind(report.units);
+  std::vector<ReportLine> lines;
+  if (report.removed)
+    lines.push_back({"removed bone", outward_digits(report.removed->volume) + units_behind(report.units, 3)});
+  const Enclosure& deepest = report.surface ? report.surface->smallest_distance
+                                            : Enclosure{report.summary.minimum_lo, report.summary.minimum_hi};
+  lines.push_back({report.surface ? "deepest penetration, whole surface" : "deepest penetration, vertices",
+                   outward_digits(penetration(deepest)) + units});
+  if (report.way) {
+    lines.push_back({"way in", fmt::format("along ({:.6g}), {:.6g}{} long, turning by {:.4g} degrees",
+                                           fmt::join(report.way->direction, ", "), report.way->length, units,
+                                           report.way->turn_degrees)});
+  }
+  if (report.search) {
+    lines.push_back({"  best of", fmt::format("{} ways tried, {} of them proven worse", report.search->tried,
+                                              report.search->worse)});
+    lines.push_back(
+        {"  the given one takes away", outward_digits(report.search->of_middle) + units_behind(report.units, 3)});
+  }
+  lines.push_back({"vertices proven cut", fmt::format("{}", report.proven_cut)});
+  lines.push_back({"vertices proven untouched", fmt::format("{}", report.proven_untouched)});
+  lines.push_back({"undecided", fmt::format("{}", report.undecided)});
+  lines.push_back({"wide", fmt::format("{}", report.summary.wide)});
+  lines.push_back({"tolerance", fmt::format("{}", report.tolerance) + units});
+  lines.push_back({"device", quotation(report.summary.device)});
+  return lines;
+}
+
+std::string json(const InsertReport& report) {
+  const auto& summary = report.summary;
+  std::optional<JsonObject> surface;
+  if (report.surface) {
+    surface = JsonObject{{"deepest_penetration", penetration(report.surface->smallest_distance)},
+                         {"smallest_distance", report.surface->smallest_distance},
+                         {"proven_cut", report.surface->proven_too_deep},
+                         {"proven_untouched", report.surface->proven_within},
+                         {"undecided", report.surface->undecided},
+                         {"samples", report.surface->samples},
+                         {"seconds", report.surface_seconds}};
+  }
+  std::optional<Enclosure> volume;
+  std::optional<JsonObject> work;
+  if (report.removed) {
+    volume = report.removed->volume;
+    work = JsonObject{{"within_tolerance", report.removed->within_tolerance},
+                      {"relative_tolerance", report.volume_tolerance},
+                      {"tolerance", report.least_volume_tolerance},
+                      {"rims", report.removed->rims},
+                      {"cubes", report.removed->cubes},
+                      {"seconds", report.volume_seconds}};
+  }
+  JsonObject object{
+      {"points", summary.points},
+      {"proven_cut", report.proven_cut},
+      {"proven_untouched", report.proven_untouched},
+      {"undecided", report.undecided},
+      {"deepest_penetration", report.deepest_penetration},
+      {"smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi}},
+      {"whole_surface", surface},
+      {"removed_volume", volume},
+      {"removed_volume_proof", work},
+      {"way", json_of_way(report)},
+      {"way_search", json_of_search(report)},
+      {"poses", report.poses},
+      {"device_verified", summary.device_verified},
+      {"host_verified", summary.host_verified},
+      {"wide", summary.wide},
+      {"device", summary.device},
+      {"notice", summary.notice},
+      {"units", report.units},
+      {"tolerance", report.tolerance},
+      {"largest_width", summary.largest_width},
+      {"device_seconds", summary.device_seconds},
+      {"host_seconds", summary.host_seconds},
+      {"seconds", report.seconds},
+      {"interrupted", report.interrupted()},
+      {"output", report.output},
+  };
+  if (!report.certificate.empty()) {
+    object.set("certificate", report.certificate);
+    object.set("looser_certificates", report.looser_certificates);
+    object.set("certified_surface", report.certified_surface ? JsonValue(*report.certified_surface) : JsonValue());
+    object.set("certified_volume", report.certified_volume ? JsonValue(*report.certified_volume) : JsonValue());
+  }
+  if (!report.page.empty()) object.set("report", report.page);
+  if (!report.picture.empty()) object.set("png", report.picture);
+  return object.text() + "\n";
+}
+
 namespace {
 
 constexpr const char* closing_words =
@@ -161,14 +457,14 @@ std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, 
 }
 
 /// Of whatever was not interrupted.
-void write_certificate(const std::string& file, const std::optional<InsertionAnswer>& answer, InsertReport& report) {
+void write_certificate(const std::string& file, std::optional<InsertionAnswer> answer, InsertReport& report) {
   if (!answer || (answer->rows.empty() && !answer->removed)) {
-    tell(fmt::format("interrupted; {} is not written", file));
+    tell(fmt::format("{}; {} is not written", reason_of_end(), file));
     return;
   }
-  write_answer(file, *answer);
-  report.certificate = file;
   report.certified_points = !answer->rows.empty();
+  write_answer(file, *std::move(answer));
+  report.certificate = file;
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -180,9 +476,9 @@ std::string write_map(const Mesh& bone, const Insertion& insertion, MapWriter wr
   }
   const auto partial = writer.keep_partial().string();
   if (partial.empty()) {
-    tell(fmt::format("interrupted; {} is not written", output));
+    tell(fmt::format("{}; {} is not written", reason_of_end(), output));
   } else {
-    tell(fmt::format("interrupted; rows as tight as they were by then are kept in {}", partial));
+    tell(fmt::format("{}; rows as tight as they were by then are kept in {}", reason_of_end(), partial));
   }
   return partial;
 }
@@ -204,7 +500,8 @@ double least_volume_tolerance_of(const InsertArguments& arguments, const Model& 
   return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
 
-LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone) {
+LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone,
+                          const Deadline& limit) {
   ProgressBar bar(!arguments.no_progress, "ways");
   return least_removal({.middle = given_way(arguments.inputs),
                         .cone_degrees = arguments.search_cone.value_or(0.0),
@@ -212,7 +509,7 @@ LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant
                        turning_centre(implant), implant, bone,
                        {.volume = {.relative_tolerance = volume_tolerance_of(arguments),
                                    .tolerance = least_volume_tolerance_of(arguments, implant),
-                                   .interrupted = interrupted},
+                                   .interrupted = limit.stop()},
                         .progress = [&](const LeastRemovalProgress& progress) {
                           bar.update_state("least removed volume " + outward_digits(progress.least, 4),
                                            static_cast<double>(progress.tried) / static_cast<double>(progress.ways));
@@ -220,16 +517,19 @@ LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant
 }
 
 /// In radians, about: for people.
-double angle_between(const Point& a, const Point& b) {
+double angle_between(const Point& direction, const Point& other) {
+  const Point a = verify::near_one(direction);
+  const Point b = verify::near_one(other);
   const double along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const double across = std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
   return std::atan2(across, along);
 }
 
 /// Of the ways of the family the one that takes least away, and what that is.
-void search_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone, InsertReport& report) {
+void search_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone, const Deadline& limit,
+                InsertReport& report) {
   const Stopwatch time;
-  report.search = searched_way(arguments, implant, bone);
+  report.search = searched_way(arguments, implant, bone, limit);
   report.way = report.search->way;
   report.degrees_off = angle_between(*arguments.inputs.along, report.way->direction) * 180.0 / std::numbers::pi;
   report.removed = report.search->removed;
@@ -239,14 +539,14 @@ void search_way(const InsertArguments& arguments, const Model& implant, const Bo
 }
 
 RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
-                                const BoneRegion& bone) {
+                                const BoneRegion& bone, const Deadline& limit) {
   const double relative = volume_tolerance_of(arguments);
   std::optional<ProgressBar> bar;
   bar.emplace(!arguments.no_progress, "cubes");
   return removed_volume(path, implant, bone,
                         {.relative_tolerance = relative,
                          .tolerance = least_volume_tolerance_of(arguments, implant),
-                         .interrupted = interrupted,
+                         .interrupted = limit.stop(),
                          .progress = [&](const Enclosure& volume) {
                            const double width = volume.width();
                            const double done = width > 0.0 ? std::min(1.0, relative * volume.lo / width) : 1.0;
@@ -257,13 +557,14 @@ RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<cons
 /// The volume is the certificate's from here on, unless that is wider than asked for, and than what was found. Nothing
 /// where it was interrupted.
 std::optional<RemovalAnswer> certify_removal(const InsertArguments& arguments, std::span<const Pose> path,
-                                             const Model& implant, const BoneRegion& bone, InsertReport& report) {
+                                             const Model& implant, const BoneRegion& bone, const Deadline& limit,
+                                             InsertReport& report) {
   RemovedVolume& found = *report.removed;
   ProgressBar bar(!arguments.no_progress, "cubes");
   CertifiedRemovedVolume certified = certified_removed_volume(
       path, implant, bone, found,
       {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-       .interrupted = interrupted,
+       .interrupted = limit.stop(),
        .progress = [&bar](double done) { bar.update_state("certificate of the removed volume", done); }});
   if (certified.interrupted) return std::nullopt;
   const double allowed = std::max(report.least_volume_tolerance, report.volume_tolerance * certified.volume.lo);
@@ -284,8 +585,9 @@ std::optional<RemovalAnswer> certify_removal(const InsertArguments& arguments, s
 
 MeshClearance surface_along(std::span<const Pose> path, const Model& implant, const Mesh& bone,
                             const InsertionOptions& options) {
-  return mesh_clearance_along(path, implant, bone,
-                              {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
+  return mesh_clearance_along(
+      path, implant, bone,
+      {.tolerance = options.tolerance, .device = options.device, .interrupted = options.interrupted});
 }
 
 /// Vertices by what their certificates prove. The surface's enclosure is its certificate's from here on, unless that is
@@ -347,7 +649,7 @@ bool is_wide(const InsertReport& report) {
 }
 
 ExitStatus status_of(const InsertReport& report) {
-  if (report.interrupted()) return ExitStatus::interrupted;
+  if (report.interrupted()) return status_of_end();
   return is_wide(report) ? ExitStatus::unverified : ExitStatus::verified;
 }
 
@@ -396,38 +698,60 @@ void declare_insert(Options& options, InsertArguments& arguments) {
       "--bone with what proves these, for `verisq check --certificate`: .json. The map gets what these prove. With "
       "--resection of the volume alone");
   declare_report_files(options, arguments.report);
+  add_time_limit(options, arguments.time_limit, "the rows of a .csv are kept under OUT.partial, all of them valid");
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
+
+namespace {
+
+/// Refuses options that need triangles, for a bone that has none.
+void refuse_triangles(const InsertArguments& arguments) {
+  if (arguments.report.any())
+    refuse(fmt::format("{}: {}: has no triangles to draw", arguments.report.html.empty() ? "--png" : "--report",
+                       arguments.inputs.mesh));
+  if (arguments.on == MapElements::triangles)
+    refuse(fmt::format("--on triangles: {}: has none", arguments.inputs.mesh));
+}
+
+void enclose_removed_volume(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
+                            const BoneRegion& region, const Deadline& limit, InsertReport& report) {
+  const Stopwatch volume_time;
+  report.removed = removed_volume_of(arguments, path, implant, region, limit);
+  report.volume_tolerance = volume_tolerance_of(arguments);
+  report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
+  report.volume_seconds = volume_time.seconds();
+}
+
+}  // namespace
 
 ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
   const Model implant = read_model_at(arguments.inputs.pose, arguments.inputs.implant);
   require_certificates(arguments, implant);
   const NamedMesh whole_bone{arguments.inputs.mesh, read_mesh(arguments.inputs.mesh)};
+  tell_of_other_size(implant, arguments.inputs.implant, whole_bone.mesh.vertices, whole_bone.name);
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
   const bool on_triangles = arguments.on == MapElements::triangles;
-  if (arguments.report.any() && bone.triangles.empty())
-    refuse(fmt::format("{}: {}: has no triangles to draw", arguments.report.html.empty() ? "--png" : "--report",
-                       arguments.inputs.mesh));
-  if (on_triangles && bone.triangles.empty())
-    refuse(fmt::format("--on triangles: {}: has none", arguments.inputs.mesh));
+  if (bone.triangles.empty()) refuse_triangles(arguments);
   std::vector<Pose> path;
   if (arguments.inputs.poses) path = path_of(arguments.inputs, implant);
   watch_for_interruption();
+  Deadline limit(arguments.time_limit, interrupted);
+  limit.start();
   MapWriter writer(arguments.output, &bone);
 
   const Stopwatch time;
   InsertReport report;
   if (arguments.inputs.along) report.way = given_way(arguments.inputs);
-  if (is_searched(arguments)) search_way(arguments, implant, *region, report);
+  if (is_searched(arguments)) search_way(arguments, implant, *region, limit, report);
   if (report.way) path = path_of(*report.way, turning_centre(implant));
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate
   const auto points = static_cast<double>(bone.vertices.size());
   const InsertionOptions options{.tolerance = tolerance_of(arguments.inputs, implant),
                                  .device = arguments.device,
-                                 .interrupted = interrupted,
+                                 .interrupted = limit.stop(),
                                  .progress = [&](double done) {
                                    if (!bar) bar.emplace(!arguments.no_progress, "points");
                                    bar->update(static_cast<std::uint64_t>(done * points), done);
@@ -441,16 +765,12 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted)
     enclose_surface(arguments, path, implant, bone, certified, options, report);
-  if (region && !report.removed && !report.interrupted()) {
-    const Stopwatch volume_time;
-    report.removed = removed_volume_of(arguments, path, implant, *region);
-    report.volume_tolerance = volume_tolerance_of(arguments);
-    report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
-    report.volume_seconds = volume_time.seconds();
-  }
-  if (certified && report.removed) certified->removed = certify_removal(arguments, path, implant, *region, report);
+  if (region && !report.removed && !report.interrupted())
+    enclose_removed_volume(arguments, path, implant, *region, limit, report);
+  if (certified && report.removed)
+    certified->removed = certify_removal(arguments, path, implant, *region, limit, report);
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
-  if (!arguments.certificate_file.empty()) write_certificate(arguments.certificate_file, certified, report);
+  if (!arguments.certificate_file.empty()) write_certificate(arguments.certificate_file, std::move(certified), report);
   report.poses = path.size();
   report.units = implant.units;
   report.tolerance = options.tolerance;
@@ -463,6 +783,10 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   }
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(report);
+}
+
+Command insert_command() {
+  return command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert);
 }
 
 }  // namespace verisq::command_line

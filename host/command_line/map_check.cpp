@@ -1,31 +1,63 @@
-/// Reads points or triangles and rows side by side, has each row proved, counts the verdicts.
-#include "host/command_line/map_check.hpp"
-
+/// Proves the rows of maps, the cubes of octrees and the answers for many poses again.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 #include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/uncertain_model.hpp>
+#include <verisq/model.hpp>
+#include <verisq/octree.hpp>
 
-#include "host/command_line/element_words.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/posed_input.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/status_consistency.hpp"
-#include "host/command_line/stopwatch.hpp"
-#include "host/command_line/triangle_stream.hpp"
+#include "host/command_line/check_command.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/maps/tightest_enclosure.hpp"
-#include "host/mesh/extent.hpp"
+#include "host/maps/certified_rows.hpp"
+#include "host/prepare/mesh_geometry.hpp"
 #include "host/threads/parallel.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::command_line {
+
+void StatusConsistency::add(std::uint64_t index, const MapResult& row, const TightestWidths& tightest) {
+  const double difference = row.distance.width();
+  // Where both ends are the same infinity nothing is bounded.
+  const double width = std::isnan(difference) ? infinity : difference;
+  const bool is_wide = row.status == Status::wide;
+  if (is_wide ? width <= tightest.surely : width > tightest.possibly) tightest_explains_ = false;
+  std::optional<Row>& kept = is_wide ? narrowest_wide_ : widest_verified_;
+  const bool replaces = !kept || (is_wide ? width < kept->width : width > kept->width) ||
+                        (width == kept->width && index < kept->index);  // the same row in whatever order they come
+  if (replaces) kept = Row{index, row.status, width};
+}
+
+std::optional<MapDifference> StatusConsistency::contradiction() const {
+  if (widest_verified_ && std::isinf(widest_verified_->width)) {
+    return MapDifference{"status", widest_verified_->index, std::string(to_string(widest_verified_->status)),
+                         "wide, since an end is infinite"};
+  }
+  if (!narrowest_wide_) return std::nullopt;
+  const auto should_be_verified = [&](std::string why) {
+    return MapDifference{"status", narrowest_wide_->index, "wide", "verified, " + std::move(why)};
+  };
+  if (narrowest_wide_->width == 0.0) return should_be_verified("since lo equals hi");
+  if (!tightest_explains_ && widest_verified_ && narrowest_wide_->width <= widest_verified_->width) {
+    return should_be_verified(fmt::format("since at index {} a width of {:.17g} is, and this one is {:.17g}",
+                                          widest_verified_->index, widest_verified_->width, narrowest_wide_->width));
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 constexpr std::size_t chunk_size = 4096;
@@ -134,7 +166,7 @@ CheckReport check_rows(const Checker& checker, Stream stream, MapReader& map, co
     return report;
   };
   std::uint64_t missing = 0;
-  for (std::uint64_t first = 0; !interrupted();) {
+  for (std::uint64_t first = 0; !arguments.ended();) {
     const std::size_t count = stream.read(elements);
     const std::size_t row_count = map.read(rows);
     if (row_count > count || (row_count < count && !map.partial())) {
@@ -150,10 +182,11 @@ CheckReport check_rows(const Checker& checker, Stream stream, MapReader& map, co
     }
     drawing.add(std::span<const typename Stream::Element>(elements).first(count));
     in_parallel(row_count, [&](std::size_t i) {
-      if (interrupted()) return;  // a chunk of points inside can take a minute
+      if (arguments.ended()) return;  // a chunk of points inside can take a minute
       const auto& [claimed, status] = rows[i].result;
-      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)}, status,
-                tightest_widths(elements[i], claimed, radius));
+      const Finding finding = checker(elements[i], claimed, rows[i].certificate, arguments.ended);
+      if (finding.verdict == Verdict::unproved && arguments.ended()) return;  // not looked at to its end
+      tally.add({first + i, elements[i], claimed, finding}, status, tightest_widths(elements[i], claimed, radius));
     });
     first += row_count;
   }
@@ -185,6 +218,205 @@ CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const P
   report.map = arguments.map;
   report.units = model.units;
   return report;
+}
+
+namespace {
+
+struct OctreeCheckReport {
+  std::uint64_t cubes = 0;  ///< that the octree speaks of
+  std::uint64_t chosen = 0;
+  std::uint64_t proved = 0;
+  std::uint64_t unproved = 0;
+  std::optional<ColouredCube> first;  ///< that is not proved
+  Enclosure volume{};
+  double seconds = 0.0;
+  bool interrupted = false;
+
+  [[nodiscard]] bool proves_volume() const { return proved == cubes; }
+};
+
+/// `count` of them, in any order.
+void choose_at_random(std::vector<ColouredCube>& cubes, std::uint64_t count) {
+  if (count >= cubes.size()) return;
+  std::random_device seed;  // whoever wrote the file cannot know which
+  std::mt19937_64 random(seed() + (std::uint64_t{seed()} << 32U));
+  for (std::size_t i = 0; i < count; ++i) {
+    std::swap(cubes[i], cubes[std::uniform_int_distribution<std::size_t>(i, cubes.size() - 1)(random)]);
+  }
+  cubes.resize(count);
+}
+
+OctreeCheckReport check_cubes(const OctreeChecker& checker, const std::vector<ColouredCube>& cubes,
+                              const OctreeCheckArguments& arguments) {
+  OctreeCheckReport report;
+  report.chosen = cubes.size();
+  std::mutex mutex;
+  ProgressBar bar(!arguments.no_progress, "cubes");
+  const Stopwatch time;
+  in_parallel(cubes.size(), [&](std::size_t i) {
+    if (arguments.ended()) return;
+    const bool proved = checker.proves(cubes[i], arguments.ended);
+    if (!proved && arguments.ended()) return;  // it may not have been looked at to its end
+    const std::lock_guard lock(mutex);
+    ++(proved ? report.proved : report.unproved);
+    if (!proved && !report.first) report.first = cubes[i];
+    const std::uint64_t done = report.proved + report.unproved;
+    bar.update(done, static_cast<double>(done) / static_cast<double>(cubes.size()));
+  });
+  report.interrupted = report.proved + report.unproved < cubes.size();
+  report.seconds = time.seconds();
+  return report;
+}
+
+/// Of the root in model units; for people.
+std::string text_of(const ColouredCube& cube, const OctreeRoot& root) {
+  Point centre = root.centre;
+  for (std::size_t i = 0; i < 3; ++i) centre[i] += root.half_width * cube.centre[i];
+  return fmt::format("the cube about ({:.9g}, {:.9g}, {:.9g}) with edge {:.9g}, {}", centre[0], centre[1], centre[2],
+                     2.0 * root.half_width * cube.half_width,
+                     cube.colour == CubeColour::black ? "inside as the file says" : "outside as the file says");
+}
+
+std::string readable(const OctreeCheckReport& report, const OctreeRoot& root, const OctreeCheckArguments& arguments,
+                     const std::string& units) {
+  std::string text = fmt::format("{:<21}{}\n", "cubes", report.cubes);
+  if (report.chosen < report.cubes) text += fmt::format("  chosen at random   {}\n", report.chosen);
+  text += fmt::format("  proved             {}\n", report.proved);
+  text += fmt::format("  unproved           {}\n", report.unproved);
+  if (report.proves_volume()) {
+    text += fmt::format("volume proved        {}{}\n", exact_text(report.volume), units_behind(units, 3));
+  } else {
+    text += fmt::format("volume not proved    {}: only all cubes together prove it\n", exact_text(report.volume));
+  }
+  text += fmt::format("time                 {:.3g} s\n", report.seconds);
+  text += fmt::format("octree               {}{}\n", quotation(arguments.octree), mark_of_end(report.interrupted));
+  if (report.first) text += fmt::format("first unproved       {}\n", text_of(*report.first, root));
+  return text;
+}
+
+std::string json(const OctreeCheckReport& report, const OctreeRoot& root, const OctreeCheckArguments& arguments,
+                 const std::string& units) {
+  const JsonObject object{
+      {"cubes", report.cubes},
+      {"chosen", report.chosen},
+      {"proved", report.proved},
+      {"unproved", report.unproved},
+      {"volume", report.volume},
+      {"volume_proved", report.proves_volume()},
+      {"units", units},
+      {"seconds", report.seconds},
+      {"interrupted", report.interrupted},
+      {"octree", arguments.octree},
+      {"first", report.first ? JsonValue(text_of(*report.first, root)) : JsonValue()},
+  };
+  return object.text() + "\n";
+}
+
+}  // namespace
+
+ExitStatus run_octree_check(const OctreeCheckArguments& arguments) {
+  const Model model = read_model_at(arguments.pose, arguments.model);
+  const OctreeContents octree = read_octree(arguments.octree);
+  const OctreeChecker checker(model, octree.root, octree.cubes);
+  std::vector<ColouredCube> chosen = checker.cubes();
+  if (arguments.sample) choose_at_random(chosen, *arguments.sample);
+  watch_for_interruption();
+  OctreeCheckReport report = check_cubes(checker, chosen, arguments);
+  report.cubes = checker.cubes().size();
+  report.volume = checker.volume();
+  fmt::print("{}", arguments.json ? json(report, octree.root, arguments, model.units)
+                                  : readable(report, octree.root, arguments, model.units));
+  if (report.interrupted) return status_of_end();
+  // Gray cubes alone claim nothing.
+  return report.cubes > 0 && report.unproved == 0 ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+namespace {
+
+void count(const Finding& finding, std::size_t index, const PosedAnswer& answer, PosesReport& report) {
+  report.unbounded += std::isfinite(answer.distance.hi) ? 0 : 1;
+  switch (finding.verdict) {
+    case Verdict::proved:
+      ++report.proved;
+      report.largest_width = std::max(report.largest_width, answer.distance.width());
+      return;
+    case Verdict::refuted: ++report.refuted; break;
+    case Verdict::unproved: ++report.unproved; break;
+  }
+  const bool is_first_refuted = finding.verdict == Verdict::refuted && report.refuted == 1;
+  if (!report.first || is_first_refuted) report.first = {index, answer, finding};
+}
+
+std::string readable(const PosesReport::Open& open) {
+  const auto& [index, answer, finding] = open;
+  return fmt::format("first {} pose, index {}, {}: {}\n  claimed          {}\n  proven           {}\n",
+                     name_of(finding.verdict), index, option_text(answer.pose), reason(answer.distance, finding),
+                     exact_text(answer.distance), exact_text(finding.proven));
+}
+
+JsonValue object_of(const std::optional<PosesReport::Open>& open) {
+  if (!open) return {};
+  const auto& [index, answer, finding] = *open;
+  return JsonObject{
+      {"verdict", name_of(finding.verdict)}, {"index", index},           {"pose", answer.pose},
+      {"claimed", answer.distance},          {"proven", finding.proven}, {"reason", reason(answer.distance, finding)}};
+}
+
+}  // namespace
+
+PosesReport checked_poses(const Model& a, const Model& b, const PoseAnswers& answers,
+                          const CertificateCheckArguments& arguments) {
+  PosesReport report{.arguments = arguments, .units = answers.units};
+  std::vector<std::optional<Finding>> findings(answers.answers.size());
+  const Stopwatch time;
+  const PairChecker check(a, b);
+  in_parallel(findings.size(), [&](std::size_t i) {
+    if (arguments.ended()) return;
+    const PosedAnswer& answer = answers.answers[i];
+    const Finding finding = check(answer.pose, answer.distance, answer.certificate, arguments.ended);
+    if (finding.verdict != Verdict::unproved || !arguments.ended()) findings[i] = finding;
+  });
+  report.seconds = time.seconds();
+  report.interrupted = arguments.ended();
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    if (findings[i]) count(*findings[i], i, answers.answers[i], report);
+  return report;
+}
+
+std::string readable(const PosesReport& report) {
+  const std::string units = units_behind(report.units);
+  std::string text = fmt::format("poses              {}\n", report.proved + report.refuted + report.unproved);
+  text += fmt::format("  proved           {}\n", report.proved);
+  text += fmt::format("  refuted          {}\n", report.refuted);
+  text += fmt::format("  unproved         {}\n", report.unproved);
+  if (report.unbounded > 0)
+    text += fmt::format("  WITHOUT AN END   {}: of these nothing is claimed from above\n", report.unbounded);
+  if (report.proved > 0)
+    text += fmt::format("  largest width    {}{} of the proved ones\n", upper_digits(report.largest_width, 3), units);
+  text += fmt::format("of                 the distances of two models\n");
+  for (const std::string& model : report.arguments.models)
+    text += fmt::format("  model            {}\n", quotation(model));
+  text += fmt::format("time               {:.3g} s\n", report.seconds);
+  text += fmt::format("certificate        {}{}\n", quotation(report.arguments.certificate),
+                      mark_of_end(report.interrupted));
+  if (report.first) text += readable(*report.first);
+  return text;
+}
+
+std::string json(const PosesReport& report) {
+  const JsonObject object{{"kind", "poses"},
+                          {"proved", report.proved},
+                          {"refuted", report.refuted},
+                          {"unproved", report.unproved},
+                          {"without_an_end", report.unbounded},
+                          {"largest_width", report.largest_width},
+                          {"first", object_of(report.first)},
+                          {"units", report.units},
+                          {"models", report.arguments.models},
+                          {"seconds", report.seconds},
+                          {"interrupted", report.interrupted},
+                          {"certificate", report.arguments.certificate}};
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -1,6 +1,5 @@
-/// Reads the options and files of `verisq map`, runs the map, reports.
-#include "host/command_line/map_command.hpp"
-
+/// `verisq map`, an enclosure of the distance for each vertex or triangle of a mesh or point of a file, and `verisq
+/// merge`, the whole of a map from its parts.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,33 +7,71 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
-#include <verisq/closest_points.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/command_line/choice.hpp"
-#include "host/command_line/columns_option.hpp"
-#include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/map_to_file.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/peeked_stream.hpp"
-#include "host/command_line/pose_option.hpp"
-#include "host/command_line/posed_input.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/time_limit.hpp"
-#include "host/command_line/triangle_stream.hpp"
-#include "host/command_line/whole_number.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/shared_inputs.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
-#include "verify/proof/convex_union.hpp"
+#include "verify/solids/model.hpp"
 
 namespace verisq::command_line {
+
+// `verisq map`: an enclosure of the distance for each vertex or triangle of a mesh or point of a file.
+
+/// As typed; `run_map` checks what depends on the files or on several options.
+struct MapArguments {
+  InputArguments inputs;
+  MapElements on = MapElements::vertices;
+  std::optional<double> tolerance;
+  double point_radius = 0.0;
+  PoseUncertaintyArguments pose_uncertainty;
+  std::optional<unsigned> pose_divisions;
+  std::optional<double> time_limit;  ///< in seconds
+  std::string device = "auto";
+  Method method = Method::duality;
+  std::string output;                 ///< empty when only a report is asked for, `-` for the standard output
+  std::optional<std::string> format;  ///< an extension
+  std::vector<MapColumn> columns;     ///< empty: those that the format has by itself
+  std::optional<PartOption> part;
+  ReportFiles report;
+  bool certificates = false;
+  bool closest_points = false;
+  bool json = false;
+  bool no_progress = false;
+};
+
+void declare_map(Options& options, MapArguments& arguments);
+
+/// Throws Error(input) for whatever the user can correct, before the first distance is computed (a file of points is
+/// a stream: its later lines are checked as they come).
+ExitStatus run_map(const MapArguments& arguments);
+
+// `verisq merge`: the whole of a map whose parts several processes made.
+
+struct MergeArguments {
+  std::vector<std::string> parts;
+  std::string output;
+  bool mixed_devices = false;
+  bool json = false;
+};
+
+void declare_merge(Options& options, MergeArguments& arguments);
+
+/// The status of the whole map. Throws Error(input) for parts that do not belong together.
+ExitStatus run_merge(const MergeArguments& arguments);
+
 namespace {
 
-constexpr const char* closing_words =
+constexpr const char* closing_words_of_map =
     "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
     "outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. \"Verified\"\n"
     "rows are at most the tolerance wide; \"wide\" ones are valid all the same. With --tol 0 those are verified that "
@@ -233,7 +270,7 @@ std::vector<ReportLine> report_lines(const MapReport& report, const UncertainMod
                                      const MapArguments& arguments) {
   std::vector<ReportLine> lines = report_lines(report);
   if (arguments.point_radius > 0.0) {
-    const std::string units = model.units.empty() ? std::string() : " " + model.units;
+    const std::string units = units_behind(model.units);
     lines.push_back(
         {"each vertex", fmt::format("any point within {}{} of the drawn one", arguments.point_radius, units)});
   }
@@ -305,13 +342,29 @@ std::optional<PartRecord> part_record(Stream& stream, MapElements elements, cons
                     arguments.inputs.mesh.empty() ? arguments.inputs.points : arguments.inputs.mesh);
 }
 
+void draw(const UncertainModel& model, const Mesh& mesh, const ShownRows& rows, const MapReport& report,
+          const MapArguments& arguments) {
+  write(arguments.report, {.title = fmt::format("{}: distance to {}", file_name(arguments.inputs.mesh),
+                                                file_name(arguments.inputs.model)),
+                           .bone = mesh,
+                           .rows = rows.results,
+                           .implant = bracket(model).largest,
+                           .units = model.units,
+                           .summary = report_lines(report, model, arguments),
+                           .area_names = {},
+                           .area_of = {},
+                           .proof = proof_of(rows, arguments)});
+}
+
 /// Maps `elements`, which `Stream` delivers, and prints the summary. Starts the limit, which the options ask for, when
 /// the mapper is ready.
 template <typename Stream>
 ExitStatus map_and_report(const UncertainModel& model, MapElements elements, const MapArguments& arguments,
-                          MapOptions options, TimeLimit& limit) {
+                          MapOptions options, Deadline& limit) {
   Stream stream(arguments.inputs);
   refuse_what_cannot_be_drawn(arguments, stream.mesh());
+  if (stream.mesh() != nullptr)
+    tell_of_other_size(bracket(model).largest, arguments.inputs.model, stream.mesh()->vertices, arguments.inputs.mesh);
   std::optional<PartRecord> part = part_record(stream, elements, arguments, options);
   PartStream elements_of_part(stream, part);
   PeekedStream peeked(elements_of_part);
@@ -338,7 +391,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   if (request.contents == MapContents::closest_points) {
     distance.emplace(bracket(model).largest);
     request.closest = [&](std::span<const Point> points, std::span<const MapResult> results) {
-      return closest_points_of(*distance, points, results, [&] { return interrupted() || limit.passed(); });
+      return closest_points_of(*distance, points, results, limit.stop());
     };
   }
   // At a time limit there is another reason.
@@ -349,16 +402,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   }
   if (arguments.report.any()) {
     request.show = [&](const ShownRows& rows, const MapReport& report) {
-      write(arguments.report, {.title = fmt::format("{}: distance to {}", file_name(arguments.inputs.mesh),
-                                                    file_name(arguments.inputs.model)),
-                               .bone = *stream.mesh(),
-                               .rows = rows.results,
-                               .implant = bracket(model).largest,
-                               .units = model.units,
-                               .summary = report_lines(report, model, arguments),
-                               .area_names = {},
-                               .area_of = {},
-                               .proof = proof_of(rows, arguments)});
+      draw(model, *stream.mesh(), rows, report, arguments);
     };
   }
   if (part) {
@@ -374,7 +418,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
 }  // namespace
 
 void declare_map(Options& options, MapArguments& arguments) {
-  options.explain(closing_words);
+  options.explain(closing_words_of_map);
   declare_inputs(options, arguments.inputs);
   options.add("--on", arguments.on,
               choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
@@ -424,7 +468,7 @@ void declare_map(Options& options, MapArguments& arguments) {
 
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
-  TimeLimit limit(arguments.time_limit);
+  Deadline limit(arguments.time_limit, interrupted);
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(model, arguments);
@@ -438,11 +482,108 @@ ExitStatus run_map(const MapArguments& arguments) {
                      .point_radius = arguments.point_radius,
                      .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose),
                      .pose_divisions = arguments.pose_divisions.value_or(1),
-                     .interrupted = interrupted};
-  if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
+                     .interrupted = interrupted,
+                     .out_of_time = limit.out_of_time()};
   const MapElements elements = arguments.on;
   return elements == MapElements::vertices ? map_and_report<PointStream>(model, elements, arguments, options, limit)
                                            : map_and_report<TriangleStream>(model, elements, arguments, options, limit);
+}
+
+Command map_command() {
+  return command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map);
+}
+
+namespace {
+
+constexpr const char* closing_words_of_merge =
+    "PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` "
+    "wrote,\n"
+    "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes "
+    "on\n"
+    "the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused "
+    "are\n"
+    "gaps and overlaps, parts of other models, inputs, options, devices or "
+    "versions\n"
+    "of verisq, and files that are not those that were written.\n"
+    "\n"
+    "Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts "
+    "do\n"
+    "not belong together.\n"
+    "\n"
+    "Example:\n"
+    "  for i in 1 2 3 4; do verisq map --model stem.json --points samples.npy --part $i/4 -o part.$i.npy; done\n"
+    "  verisq merge part.*.npy -o distances.npy";
+
+std::string tolerance_of(const MapPart& whole) {
+  const auto found = std::ranges::find(whole.settings, "tolerance", &PartSetting::name);
+  return found == whole.settings.end() ? std::string() : found->value;
+}
+
+std::string readable(const MergedMap& merged, const MergeArguments& arguments, double seconds) {
+  const MapSummary& summary = merged.whole.summary;
+  std::string text = fmt::format("{:<19}{}\n", plural(merged.whole.elements), summary.points);
+  text += fmt::format("  device-verified  {}\n", summary.device_verified);
+  text += fmt::format("  host-verified    {}\n", summary.host_verified);
+  text += fmt::format("  wide             {}\n", summary.wide);
+  text += fmt::format("parts              {}\n", arguments.parts.size());
+  text += fmt::format("device             {}\n", quotation(summary.device));
+  text += fmt::format("tolerance          {}\n", tolerance_of(merged.whole));
+  if (summary.points > 0) {
+    text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi,
+                        whose_distance(merged.whole.elements));
+    text += fmt::format("largest width      {}\n", upper_digits(summary.largest_width));
+  }
+  if (merged.whole.closest) text += fmt::format("closest points     {} unique\n", merged.whole.closest->unique);
+  text += fmt::format("time               {:.3g} s (in all parts: device {:.3g} s, host proofs {:.3g} s)\n", seconds,
+                      summary.device_seconds, summary.host_seconds);
+  return text + fmt::format("map                {}\n", quotation(arguments.output));
+}
+
+std::string json(const MergedMap& merged, const MergeArguments& arguments, double seconds) {
+  const MapSummary& summary = merged.whole.summary;
+  JsonObject object{{plural(merged.whole.elements), summary.points},
+                    {"device_verified", summary.device_verified},
+                    {"host_verified", summary.host_verified},
+                    {"wide", summary.wide},
+                    {"parts", arguments.parts.size()},
+                    {"devices", merged.devices},
+                    {"largest_width", summary.largest_width},
+                    {"device_seconds", summary.device_seconds},
+                    {"host_seconds", summary.host_seconds},
+                    {"seconds", seconds},
+                    {"output", arguments.output}};
+  if (summary.points > 0) object.set("smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi});
+  if (merged.whole.closest) object.set("unique_closest_points", merged.whole.closest->unique);
+  JsonObject settings;
+  for (const auto& [name, value] : merged.whole.settings) settings.set(name, value);
+  object.set("settings", settings);
+  return object.text() + "\n";
+}
+
+}  // namespace
+
+void declare_merge(Options& options, MergeArguments& arguments) {
+  options.explain(closing_words_of_merge);
+  options.require_each("PARTS", arguments.parts, "PARTS",
+                       "All parts of a map: .csv, .npy or .vtp, each with its .part.json");
+  options.require("-o,--output", arguments.output, "FILE", "The whole map; of .vtp parts a .pvtp");
+  options.add_flag("--mixed-devices", arguments.mixed_devices,
+                   "Accept parts of several devices: every row is valid, but which bits it has is then the device's");
+  options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
+}
+
+ExitStatus run_merge(const MergeArguments& arguments) {
+  const Stopwatch time;
+  const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
+  const MergedMap merged = merge_maps(parts, arguments.output, {.mixed_devices = arguments.mixed_devices});
+  const double seconds = time.seconds();
+  fmt::print("{}", arguments.json ? json(merged, arguments, seconds) : readable(merged, arguments, seconds));
+  return merged.whole.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
+}
+
+Command merge_command() {
+  return command("merge", "Make one map of all its parts, after checking that they belong together", declare_merge,
+                 run_merge);
 }
 
 }  // namespace verisq::command_line

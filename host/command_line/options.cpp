@@ -1,11 +1,16 @@
-/// CLI11 collects the texts; they become values once it has nothing to complain about.
+/// This file implements options.hpp.
 #include "host/command_line/options.hpp"
 
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
 
-#include "host/command_line/spelling.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
@@ -53,6 +58,14 @@ std::string suggestion(const CLI::App& program) {
   const std::string word = given.substr(0, given.find('='));
   const auto near = nearest_word(word, known_words(app_of(program), word.starts_with("--")));
   return near ? fmt::format("; did you mean {}?", *near) : "";
+}
+
+/// "--model: give it once, not 2 times", of the first option that is there too often; empty where none is.
+std::string repetition(const CLI::App& program) {
+  for (const CLI::Option* const option : app_of(program).get_options())
+    if (option->count() > 1 && option->get_items_expected_max() == 1)
+      return fmt::format("{}: give it once, not {} times", option->get_name(), option->count());
+  return "";
 }
 
 std::string text_value(std::string_view /*option*/, const std::string& text) {
@@ -161,6 +174,8 @@ bool Options::parse(int argc, char** argv) const {
   refuse_empty_assignments(argc, argv);
   CLI::App& program = parser_->program;
   const auto refuse_usage = [&program](const CLI::ParseError& error) {
+    const std::string repeated = repetition(program);
+    if (!repeated.empty()) refuse(repeated);
     const std::string near = dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr ? "" : suggestion(program);
     refuse(fmt::format("{}{} (see {} --help)", error.what(), near, program.get_name()));
   };
@@ -196,6 +211,81 @@ void Options::declare(const Declaration& declaration, Reader read) {
     option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(positional);
   }
   parser_->waiting.push_back({option, first_name(declaration.names), std::move(read), false});
+}
+
+namespace {
+
+/// Of the first i letters of `a` and the first j of `b`, row after row.
+std::size_t corrections(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+    std::swap(before_last, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+/// Dashes are no letters.
+std::string_view letters_of(std::string_view word) {
+  return word.substr(std::min(word.find_first_not_of('-'), word.size()));
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known) {
+  const std::string_view letters = letters_of(word);
+  if (letters.size() < 2) return std::nullopt;
+  std::optional<std::string> nearest;
+  std::size_t fewest = std::max<std::size_t>(letters.size() / 3, 1) + 1;
+  std::vector<std::string> begun;
+  for (const std::string& candidate : known) {
+    const std::string_view other = letters_of(candidate);
+    if (other.size() < 2) continue;
+    if (const std::size_t count = corrections(letters, other); count < fewest) {
+      fewest = count;
+      nearest = candidate;
+    }
+    if (other.starts_with(letters) || letters.starts_with(other)) begun.push_back(candidate);
+  }
+  if (!nearest && begun.size() == 1) return begun.front();
+  return nearest;
+}
+
+void require_model(Options& options, const std::string& name, std::string& file) {
+  options.require(name, file, "FILE", "Model of posed superquadrics (verisq-model/1, JSON)");
+}
+
+void add_tolerance(Options& options, std::optional<double>& tolerance, std::string_view owner) {
+  options.add("--tol", tolerance, parse_length, "NUMBER",
+              fmt::format("Largest width of a verified enclosure, in model units; 0 asks for the tightest.\n"
+                          "Default: {} times the radius of {}'s bounding sphere",
+                          tolerance_of_distances.text, owner));
+}
+
+void add_device(Options& options, std::string& device) {
+  options.add("--device", device, "DEVICE", device_explanation);
+}
+
+void add_json(Options& options, bool& json) {
+  options.add_flag("--json", json, "Print the summary as one JSON object");
+}
+
+void add_json_of_enclosures(Options& options, bool& json) {
+  options.add_flag("--json", json, "Print the summary as one JSON object; what is not bounded is null");
+}
+
+void add_no_progress(Options& options, bool& no_progress) {
+  options.add_flag("--no-progress", no_progress, "No progress bar, even on a terminal");
 }
 
 }  // namespace verisq::command_line

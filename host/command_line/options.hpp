@@ -4,14 +4,18 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace CLI {
+
+// The options of a program and of its commands: declared by kind, parsed by CLI11, which options.cpp alone includes.
+
 class App;
-}
+}  // namespace CLI
 
 namespace verisq::command_line {
 
@@ -122,5 +126,41 @@ class Options {
   std::shared_ptr<Parser> parser_;
   CLI::App* app_;  ///< the program or one of its commands; owned by the parser
 };
+
+// What somebody who typed an unknown word may have meant.
+
+/// The known word that is nearest to `word`: fewest letters inserted, left out, replaced or swapped with their
+/// neighbours (optimal string alignment), at most one for every three letters of `word`; else the only one that
+/// begins with `word`, or that `word` begins with. Nothing where none is so near.
+[[nodiscard]] std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known);
+
+// Options that several commands have, with the same words for the same thing.
+
+/// A model file by the option `name`.
+void require_model(Options& options, const std::string& name, std::string& file);
+
+/// --tol of enclosures, 0 for the tightest; `owner`: whose bounding sphere the default is in proportion to, "the
+/// model".
+void add_tolerance(Options& options, std::optional<double>& tolerance, std::string_view owner);
+
+/// --device.
+void add_device(Options& options, std::string& device);
+inline constexpr const char* device_explanation =
+    "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`";
+/// Of what has rows.
+inline constexpr const char* device_of_map_explanation =
+    "auto (default: a device, for at most 128 rows the host), host (no OpenCL), or an index or part of a name\n"
+    "from `verisq devices`";
+
+/// What -o says of a map.
+inline constexpr const char* map_explanation = "The map, by extension: .csv .npy .vtp .ply .json";
+
+/// --json, of a summary.
+void add_json(Options& options, bool& json);
+/// --json, of a summary with enclosures, whose ends may be infinite.
+void add_json_of_enclosures(Options& options, bool& json);
+
+/// --no-progress.
+void add_no_progress(Options& options, bool& no_progress);
 
 }  // namespace verisq::command_line

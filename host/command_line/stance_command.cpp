@@ -1,37 +1,72 @@
-/// Reads the options and the model of `verisq stance`, runs what was asked for, reports.
+/// `verisq stance`: its options, its runs, and the certificate of an equilibrium.
 #include "host/command_line/stance_command.hpp"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
+#include <utility>
+#include <verisq/certificate_file.hpp>
 #include <verisq/error.hpp>
-#include <verisq/stance_choice.hpp>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
+#include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
 
-#include "host/command_line/certificate_output.hpp"
-#include "host/command_line/certified_stance.hpp"
-#include "host/command_line/choice.hpp"
-#include "host/command_line/interruption.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/number_list.hpp"
-#include "host/command_line/overwriting.hpp"
-#include "host/command_line/progress_bar.hpp"
-#include "host/command_line/shared_options.hpp"
-#include "host/command_line/stance_page.hpp"
-#include "host/command_line/stance_summary.hpp"
-#include "host/command_line/stopwatch.hpp"
-#include "host/command_line/whole_number.hpp"
+#include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
+#include "host/command_line/outputs.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
-#include "host/stance/motion_table.hpp"
-#include "host/stance/parameter_map.hpp"
+#include "host/stance/stance_results.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
+namespace {
+
+using stance::CertifiedEquilibrium;
+
+CertifiedEquilibrium certified(const StanceSummary& summary, bool no_progress) {
+  ProgressBar bar(!no_progress, "%");
+  return stance::certified_equilibrium(summary.model, summary.uncertain, summary.control, *summary.equilibrium,
+                                       {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                        .interrupted = interrupted,
+                                        .progress = [&bar](double done) { bar.update_state("certificates", done); }});
+}
+
+}  // namespace
+
+void certify_equilibrium(const std::string& file, StanceSummary& summary, bool no_progress) {
+  CertifiedEquilibrium found = certified(summary, no_progress);
+  if (found.interrupted) return tell(fmt::format("interrupted; {} is not written", file));
+  if (found.left_out > 0) {
+    tell(fmt::format(
+        "{}: says nothing of {} cells that are found to stand, or of parts of them: the proof that it holds "
+        "does not reach there",
+        file, found.left_out));
+  }
+  EquilibriumAnswer answer{.model = subject_file(summary.file),
+                           .parameters = {},
+                           .joints = joint_names(summary.model),
+                           .cylinders = {},
+                           .claims = found.claims,
+                           .certificate = std::move(found.certificate)};
+  for (const std::uint32_t k : summary.uncertain) answer.parameters.push_back(summary.model.parameters[k].name);
+  for (const stance::ContactCylinder& cylinder : summary.model.cylinders) answer.cylinders.push_back(cylinder.name);
+  write_answer(file, std::move(answer));
+  summary.certificate = file;
+  summary.certified = std::move(found.claims);
+}
+
 namespace {
 
 using namespace stance;
@@ -140,7 +175,7 @@ std::vector<std::string> split(const std::string& list) {
   return words;
 }
 
-std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
+std::vector<std::uint32_t> parse_uncertain(const std::string& list, const stance::Model& model) {
   if (list == "none") return {};
   return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
 }
@@ -168,7 +203,7 @@ void write_file(const std::string& name, const std::string& text) {
   file.finish();
 }
 
-[[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
+[[noreturn]] void report_escape(const stance::Model& model, const std::string& component, const Enclosure& claimed,
                                 const Escape& escape) {
   std::vector<std::string> sample;
   for (std::size_t i = 0; i < escape.parameters.size(); ++i) {
@@ -186,7 +221,7 @@ class Analysis {
     summary_.file = arguments.model;
     summary_.mode = arguments.mode.value_or(Mode::tight);
     summary_.acceleration_case = parse_case(arguments.accelerations.text);
-    summary_.model = read_model(arguments.model);
+    summary_.model = stance::read_model(arguments.model);
     for (const NamedRange& range : arguments.ranges) {
       const std::uint32_t parameter = parameter_named(summary_.model, range.name, "--range: {} is not one of {}");
       summary_.model = narrowed(std::move(summary_.model), parameter, range.range);
@@ -215,7 +250,6 @@ class Analysis {
       compare();
     } else {
       enclose_wrench();
-      if (arguments_.sensitivities) enclose_sensitivities();
       if (arguments_.accelerations.given) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
       if (!arguments_.certificate_file.empty())
@@ -249,20 +283,25 @@ class Analysis {
     }
   }
 
+  /// The sensitivities say which parameters have no effect, whether or not they are asked for. Nothing once
+  /// interrupted: readers take a parameter that is not listed for one without effect.
   void enclose_wrench() {
+    std::vector<WrenchEnclosure> sensitivities;
+    for (std::uint32_t i = 0; i < summary_.model.parameters.size(); ++i) {
+      if (interrupted()) return;
+      sensitivities.push_back(sensitivity(summary_.model, summary_.uncertain, i, summary_.mode));
+    }
     const WrenchEnclosure enclosures = wrench(summary_.model, summary_.uncertain, summary_.mode);
     summary_.wrench = enclosures;
-    summary_.wrench_scope = wrench_scope(summary_.model, summary_.uncertain, summary_.mode);
+    summary_.wrench_scope = wrench_scope(summary_.model, sensitivities);
     std::vector<std::string> names;
     for (std::size_t k = 0; k < wrench_size; ++k) names.push_back(component_name(k));
     summary_.wrench_samples = check(sampled_wrench_of(summary_.model, {enclosures.begin(), enclosures.end()}), names);
-  }
-
-  void enclose_sensitivities() {
-    for (std::uint32_t i = 0; i < summary_.model.parameters.size(); ++i) {
-      summary_.sensitivities.push_back(sensitivity(summary_.model, summary_.uncertain, i, summary_.mode));
-    }
-    summary_.reference = reference_uncertainty(summary_.model, summary_.uncertain, summary_.uncertain, summary_.mode);
+    if (!arguments_.sensitivities) return;
+    std::vector<WrenchEnclosure> of_uncertain;
+    for (const std::uint32_t k : summary_.uncertain) of_uncertain.push_back(sensitivities[k]);
+    summary_.reference = reference_uncertainty(summary_.model, summary_.uncertain, of_uncertain);
+    summary_.sensitivities = std::move(sensitivities);
   }
 
   [[nodiscard]] AccelerationOptions acceleration_options() const {
@@ -377,6 +416,25 @@ bool all_proven(const StanceSummary& summary) {
 
 }  // namespace
 
+namespace {
+
+void declare_simulation(Options& options, StanceArguments& arguments) {
+  options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
+              "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
+  options.add(
+      "--drop", arguments.drop, parse_length, "NUMBER",
+      "With --simulate: let it go in the file's posture instead, its lowest sole so far above the ground, in m");
+  options.add("--lift", arguments.lift, parse_length, "NUMBER",
+              "With --simulate: let it go so far above the equilibrium, in m");
+  options.add(
+      "--push", arguments.push, parse_push, "FORCE,START,DURATION",
+      "With --simulate: a force along x (N, s, s) on the reference point, FORCE sin^2(pi (t - START)/DURATION)");
+  options.add("--csv", arguments.csv, "FILE", "With --simulate: enclosures over time, as a table");
+  options.add("--plot", arguments.plot, "FILE", "With --simulate: the enclosures over time as a picture (SVG)");
+}
+
+}  // namespace
+
 void declare_stance(Options& options, StanceArguments& arguments) {
   options.explain(closing_words);
   options.require("model", arguments.model, "MODEL.xml", "Stance model (XML)");
@@ -407,18 +465,7 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "With --equilibrium or --stability and two uncertain parameters: their cells as a picture (SVG)");
   options.add("--certificate-file", arguments.certificate_file, "FILE",
               "With --equilibrium: its cells and what proves them again, for `verisq check --certificate`: .json");
-  options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
-              "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
-  options.add(
-      "--drop", arguments.drop, parse_length, "NUMBER",
-      "With --simulate: let it go in the file's posture instead, its lowest sole so far above the ground, in m");
-  options.add("--lift", arguments.lift, parse_length, "NUMBER",
-              "With --simulate: let it go so far above the equilibrium, in m");
-  options.add(
-      "--push", arguments.push, parse_push, "FORCE,START,DURATION",
-      "With --simulate: a force along x (N, s, s) on the reference point, FORCE sin^2(pi (t - START)/DURATION)");
-  options.add("--csv", arguments.csv, "FILE", "With --simulate: enclosures over time, as a table");
-  options.add("--plot", arguments.plot, "FILE", "With --simulate: the enclosures over time as a picture (SVG)");
+  declare_simulation(options, arguments);
   options.add_each("--range", arguments.ranges, parse_named_range, "NAME=LO,HI",
                    "A part of a parameter's range instead of the file's; may be repeated");
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",
@@ -451,6 +498,12 @@ ExitStatus run_stance(const StanceArguments& arguments) {
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
   if (summary.interrupted) return ExitStatus::interrupted;
   return all_proven(summary) ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+Command stance_command() {
+  return command("stance",
+                 "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters",
+                 declare_stance, run_stance);
 }
 
 }  // namespace verisq::command_line

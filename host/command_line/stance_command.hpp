@@ -8,12 +8,81 @@
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_motion.hpp>
 
-#include "host/command_line/exit_status.hpp"
-#include "host/command_line/named_number.hpp"
-#include "host/command_line/named_range.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/run.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/command_line/values.hpp"
+#include "host/stance/stance_results.hpp"
 
 namespace verisq::command_line {
+
+// What `verisq stance` prints: for people, or as one JSON object.
+
+/// What is absent was not asked for.
+struct StanceSummary {
+  std::string file;
+  stance::Model model;
+  std::vector<std::uint32_t> uncertain;
+  stance::Mode mode = stance::Mode::tight;
+  stance::AccelerationCase acceleration_case = stance::AccelerationCase::fall;
+  std::optional<stance::WrenchEnclosure> wrench;
+  stance::Scope wrench_scope;
+  std::optional<stance::Samples> wrench_samples;
+  std::vector<stance::WrenchEnclosure> sensitivities;  ///< by every parameter of the model; or empty
+  std::optional<stance::ReferenceUncertainty> reference;
+  std::vector<Enclosure> accelerations;          ///< of all joints, bodies in order; or empty
+  std::vector<stance::JointPosition> elsewhere;  ///< joints that the accelerations have in other places than the file
+  stance::Scope acceleration_scope;
+  std::optional<stance::Samples> acceleration_samples;
+  stance::JointControl control = stance::JointControl::held;
+  std::optional<stance::Equilibrium> equilibrium;
+  stance::Scope equilibrium_scope;
+  std::string certificate;                             ///< its file
+  std::optional<stance::EquilibriumClaims> certified;  ///< what that proves
+  stance::JointControl stability_control = stance::JointControl::held;
+  std::optional<stance::Stability> stability;
+  stance::Scope stability_scope;
+  std::optional<stance::Motion> motion;
+  double motion_duration = 0.0;  ///< that was asked for, s
+  stance::Scope motion_scope;
+  std::optional<stance::PaperReport> paper;
+  std::string dropped;  ///< the cylinder that bounces
+  std::optional<stance::Drop> drop;
+  std::optional<stance::Bounce> bounce;
+  stance::Scope bounce_scope;
+  double seconds = 0.0;
+  bool interrupted = false;
+};
+
+/// "w1" ... "w6".
+[[nodiscard]] std::string component_name(std::size_t component);
+
+/// What the model allows and a reader should know: dynamic friction above static friction.
+[[nodiscard]] std::vector<std::string> notes(const stance::Model& model);
+
+/// Ends of enclosures are rounded outward to the digits printed.
+[[nodiscard]] std::string readable(const StanceSummary& summary);
+
+/// An infinite end is null.
+[[nodiscard]] JsonObject json_value(const StanceSummary& summary);
+
+/// The same as one line.
+[[nodiscard]] std::string json(const StanceSummary& summary);
+
+// The page of `verisq stance --report FILE.html`: equilibrium, stability and motion for people to look at.
+
+/// The page's data (report/README.md) as one line of JSON: what --json prints, and the points of the drawn body.
+[[nodiscard]] std::string stance_page_data(const StanceSummary& summary);
+
+/// Throws Error(failure).
+void write_stance_page(const std::string& file, const StanceSummary& summary);
+
+// `verisq stance --certificate-file`: the equilibrium that was found, with what proves it again.
+
+/// Of the summary's equilibrium; adds what the file proves to it. Once interrupted it says so instead, and writes none.
+void certify_equilibrium(const std::string& file, StanceSummary& summary, bool no_progress);
+
+// `verisq stance`: enclosures of wrench, sensitivities and accelerations of a stance model with uncertain parameters.
 
 /// As typed; `run_stance` checks what depends on the file or on several options.
 struct StanceArguments {

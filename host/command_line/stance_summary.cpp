@@ -1,6 +1,4 @@
-/// The two forms of the summary.
-#include "host/command_line/stance_summary.hpp"
-
+/// What `verisq stance` prints, and its page.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,8 +6,12 @@
 #include <array>
 #include <cmath>
 
-#include "host/command_line/directed_digits.hpp"
-#include "host/command_line/json_value.hpp"
+#include "host/command_line/stance_command.hpp"
+#include "host/command_line/summaries.hpp"
+#include "host/errors/refusal.hpp"
+#include "host/report/html_report.hpp"
+#include "host/stance/stance_results.hpp"
+#include "report/page_template.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -28,7 +30,7 @@ std::string_view word(Mode mode) {
 }
 
 /// Of all joints, bodies in order.
-std::vector<JointKind> joint_kinds(const Model& model) {
+std::vector<JointKind> joint_kinds(const stance::Model& model) {
   std::vector<JointKind> kinds;
   for (const Body& body : model.bodies) {
     for (const Joint& joint : body.joints) kinds.push_back(joint.kind);
@@ -47,8 +49,9 @@ bool is_zero(const Enclosure& enclosure) {
 /// One line: numbers as the file gives them, which decimals hold to the last bit.
 std::string parameter_text(const Parameter& parameter) {
   const std::string unit = parameter.unit == "1" ? "" : parameter.unit;
-  return fmt::format("  {:<8}{:<16}{:<6}{}\n", parameter.name,
-                     fmt::format("[{}, {}]", parameter.range.lo, parameter.range.hi), unit, parameter.description);
+  const std::string description = parameter.description.empty() ? "" : quotation(parameter.description);
+  return fmt::format("  {:<8}{:<15} {:<6}{}\n", parameter.name,
+                     fmt::format("[{}, {}]", parameter.range.lo, parameter.range.hi), unit, description);
 }
 
 /// How much of enclosure k the samples fill; nothing without samples.
@@ -134,12 +137,12 @@ std::string accelerations_text(const StanceSummary& summary) {
   const std::vector<std::string> names = stance::joint_names(summary.model);
   const std::vector<JointKind> kinds = joint_kinds(summary.model);
   for (const auto& [joint, position] : summary.elsewhere)
-    text +=
-        fmt::format("  with {} at {} {}\n", names[joint], position, kinds[joint] == JointKind::rotation ? "rad" : "m");
+    text += fmt::format("  at {} {}: {}\n", position, kinds[joint] == JointKind::rotation ? "rad" : "m",
+                        quotation(names[joint]));
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
     const Enclosure& enclosure = summary.accelerations[k];
-    text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], acceleration_unit(kinds[k]), outward_digits(enclosure),
-                        filled_text(summary.acceleration_samples, k, enclosure));
+    text += fmt::format("  {:<34}{:<8}{}  {}\n", outward_digits(enclosure), acceleration_unit(kinds[k]),
+                        filled_text(summary.acceleration_samples, k, enclosure), quotation(names[k]));
   }
   return text + scope_text(summary.acceleration_scope) + samples_text(summary.acceleration_samples);
 }
@@ -156,31 +159,32 @@ std::string share_text(double share) {
 std::string standing_text(const StanceSummary& summary, const Standing& standing) {
   std::string text;
   const auto line = [&](const std::string& name, std::string_view unit, const Enclosure& enclosure) {
-    text += fmt::format("  {:<32}{:<6}{}\n", name, unit, outward_digits(enclosure));
+    text += fmt::format("  {:<34}{:<6}{}\n", outward_digits(enclosure), unit, name);
   };
   const std::vector<std::string> names = joint_names(summary.model);
   const std::vector<JointKind> kinds = joint_kinds(summary.model);
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (standing.positions[k].width() > 0.0)
-      line(names[k], kinds[k] == JointKind::rotation ? "rad" : "m", standing.positions[k]);
+      line(fmt::format("position of {}", quotation(names[k])), kinds[k] == JointKind::rotation ? "rad" : "m",
+           standing.positions[k]);
   }
   for (std::size_t c = 0; c < standing.loads.size(); ++c) {
-    line("force on " + summary.model.cylinders[c].name, "N", standing.loads[c].force);
-    line("  its penetration", "m", standing.loads[c].penetration);
+    line(fmt::format("force on {}", quotation(summary.model.cylinders[c].name)), "N", standing.loads[c].force);
+    line("its penetration", "m", standing.loads[c].penetration);
   }
-  line("least penetration of all", "m", standing.least_penetration);
+  line("least penetration of all points", "m", standing.least_penetration);
   line("centre of pressure, x", "m", standing.centre_of_pressure_x);
   line("centre of pressure, z", "m", standing.centre_of_pressure_z);
-  text += "  torques of the joints\n";
   for (std::size_t k = summary.model.bodies.front().joints.size(); k < names.size(); ++k)
-    line("  " + names[k], kinds[k] == JointKind::rotation ? "N m" : "N", standing.torques[k]);
+    line(fmt::format("torque of {}", quotation(names[k])), kinds[k] == JointKind::rotation ? "N m" : "N",
+         standing.torques[k]);
   return text;
 }
 
 std::string certificate_text(const StanceSummary& summary) {
   if (!summary.certified) return {};
-  return fmt::format("  certificate: {}, proves {}; its own ranges are in it, and in JSON\n", summary.certificate,
-                     share_text(summary.certified->stands));
+  return fmt::format("  certificate: proves {}; its own ranges are in it, and in JSON: {}\n",
+                     share_text(summary.certified->stands), quotation(summary.certificate));
 }
 
 std::string equilibrium_text(const StanceSummary& summary) {
@@ -225,17 +229,18 @@ std::string motion_text(const StanceSummary& summary) {
   std::string text = fmt::format("\nmotion in the sagittal plane, proven from 0 to {} s{}\n",
                                  lower_digits(motion.reached), motion.proven ? "" : "; from there on OPEN");
   if (!motion.open.empty()) text += fmt::format("  open: {}\n", motion.open);
-  text += fmt::format("  then{:<28}{:<40}{}\n", "", "position, m or rad", "velocity, m/s or rad/s");
+  text += fmt::format("  {:<40}{:<40}then of\n", "position, m or rad", "velocity, m/s or rad/s");
   for (std::size_t j = 0; j < motion.joints.size(); ++j)
-    text += fmt::format("  {:<32}{:<40}{}\n", motion.joints[j], outward_digits(motion.positions[j]),
-                        outward_digits(motion.velocities[j]));
+    text += fmt::format("  {:<40}{:<40}{}\n", outward_digits(motion.positions[j]), outward_digits(motion.velocities[j]),
+                        quotation(motion.joints[j]));
   for (std::size_t c = 0; c < motion.contacts.size(); ++c) {
     Enclosure all = motion.slabs.empty() ? Enclosure{0.0, infinity} : motion.slabs.front().contacts[c].normal;
     for (const MotionSlab& slab : motion.slabs) {
       all.lo = std::min(all.lo, slab.contacts[c].normal.lo);
       all.hi = std::max(all.hi, slab.contacts[c].normal.hi);
     }
-    text += fmt::format("  force on each {:<18}N  within {} all the while\n", motion.contacts[c], outward_digits(all));
+    text += fmt::format("  within {} N all the while, force on each {}\n", outward_digits(all),
+                        quotation(motion.contacts[c]));
   }
   return text + scope_text(summary.motion_scope);
 }
@@ -277,7 +282,7 @@ std::string paper_text(const PaperReport& report) {
 
 std::string bounce_text(const StanceSummary& summary) {
   const Bounce& bounce = *summary.bounce;
-  std::string text = fmt::format("\n{} dropped from {:g} m\n", summary.dropped, summary.drop->height);
+  std::string text = fmt::format("\ndropped from {:g} m: {}\n", summary.drop->height, quotation(summary.dropped));
   const auto line = [&](std::string_view name, std::string_view unit, const Enclosure& enclosure) {
     text += fmt::format("  {:<24}{:<6}{}\n", name, unit, outward_digits(enclosure));
   };
@@ -316,7 +321,7 @@ JsonObject json_of(const WrenchEnclosure& wrench, const std::optional<Samples>& 
   return object;
 }
 
-JsonValue json_of_parameters(const Model& model) {
+JsonValue json_of_parameters(const stance::Model& model) {
   JsonValue::Array array;
   for (const Parameter& parameter : model.parameters) {
     array.push_back(JsonObject{{"name", parameter.name},
@@ -360,7 +365,7 @@ JsonObject json_of_elsewhere(const StanceSummary& summary) {
   return object;
 }
 
-JsonObject json_of(const Standing& standing, const Model& model) {
+JsonObject json_of(const Standing& standing, const stance::Model& model) {
   JsonObject positions;
   JsonObject torques;
   const std::vector<std::string> names = joint_names(model);
@@ -494,14 +499,14 @@ std::string component_name(std::size_t component) {
   return fmt::format("w{}", component + 1);
 }
 
-std::vector<std::string> notes(const Model& model) {
+std::vector<std::string> notes(const stance::Model& model) {
   std::vector<std::string> names;
   for (const ContactCylinder& cylinder : model.cylinders) {
     if (cylinder.dynamic_friction.range.hi > cylinder.static_friction.range.lo) names.push_back(cylinder.name);
   }
   if (names.empty()) return {};
   if (names.size() == model.cylinders.size()) return {"dynamic friction may exceed static friction on all cylinders"};
-  return {fmt::format("dynamic friction may exceed static friction on {}", fmt::join(names, ", "))};
+  return {fmt::format("dynamic friction may exceed static friction on {}", quotation(names))};
 }
 
 std::string readable(const StanceSummary& summary) {
@@ -555,6 +560,150 @@ JsonObject json_value(const StanceSummary& summary) {
 
 std::string json(const StanceSummary& summary) {
   return json_value(summary).text() + "\n";
+}
+
+namespace {
+
+using namespace stance;
+
+JsonValue ends(const Enclosure& enclosure) {
+  return std::array{enclosure.lo, enclosure.hi};
+}
+
+/// x and y, lower and upper ends.
+JsonValue ends(const SidePoint& point) {
+  return std::array{point.x.lo, point.x.hi, point.y.lo, point.y.hi};
+}
+
+template <class Items, class Part>
+JsonValue list_of(const Items& items, const Part& part) {
+  JsonValue::Array list;
+  for (const auto& item : items) list.push_back(part(item));
+  return list;
+}
+
+Enclosure range_of(const Quantity& quantity, UncertainSet uncertain) {
+  for (const std::uint32_t i : uncertain) {
+    if (quantity.parameter == i) return quantity.range;
+  }
+  return {quantity.nominal, quantity.nominal};
+}
+
+/// What of the model is drawn: a line for each body to that which carries it, a disc for each cylinder.
+class Figure {
+ public:
+  Figure(const StanceSummary& summary, std::vector<std::uint32_t> bodies, std::vector<std::uint32_t> cylinders)
+      : summary_(summary), bodies_(std::move(bodies)), cylinders_(std::move(cylinders)) {}
+
+  /// All of it.
+  [[nodiscard]] static Figure whole(const StanceSummary& summary) {
+    return {summary, counted(summary.model.bodies.size()), counted(summary.model.cylinders.size())};
+  }
+
+  /// One of each pair.
+  [[nodiscard]] static Figure of(const StanceSummary& summary, const SagittalModel& sagittal) {
+    std::vector<std::uint32_t> bodies;
+    std::vector<std::uint32_t> cylinders;
+    for (const SagittalBody& body : sagittal.bodies) bodies.push_back(body.body);
+    for (const SagittalContact& contact : sagittal.contacts) cylinders.push_back(contact.cylinder);
+    return {summary, std::move(bodies), std::move(cylinders)};
+  }
+
+  [[nodiscard]] JsonObject shape() const {
+    const stance::Model& model = summary_.model;
+    const auto line = [&](std::uint32_t b) -> JsonValue {
+      const Body& body = model.bodies[b];
+      return JsonObject{{"name", body.name}, {"parent", body.parent ? JsonValue(place(*body.parent)) : JsonValue()}};
+    };
+    const auto disc = [&](std::uint32_t c) -> JsonValue {
+      const ContactCylinder& cylinder = model.cylinders[c];
+      return JsonObject{{"name", cylinder.name}, {"radius", ends(range_of(cylinder.radius, summary_.uncertain))}};
+    };
+    return {{"bodies", list_of(bodies_, line)}, {"cylinders", list_of(cylinders_, disc)}};
+  }
+
+  [[nodiscard]] JsonValue points(const std::vector<Enclosure>& positions) const {
+    const SideView view = side_view(summary_.model, summary_.uncertain, positions);
+    return JsonObject{{"bodies", list_of(bodies_, [&](std::uint32_t b) { return ends(view.origins[b]); })},
+                      {"cylinders", list_of(cylinders_, [&](std::uint32_t c) { return ends(view.cylinders[c]); })},
+                      {"trunk", ends(view.trunk)}};
+  }
+
+ private:
+  static std::vector<std::uint32_t> counted(std::size_t count) {
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t i = 0; i < count; ++i) all.push_back(i);
+    return all;
+  }
+
+  /// Parents are drawn, too, or a body of their pair is.
+  [[nodiscard]] std::size_t place(std::uint32_t body) const {
+    return static_cast<std::size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
+  }
+
+  const StanceSummary& summary_;
+  std::vector<std::uint32_t> bodies_;
+  std::vector<std::uint32_t> cylinders_;
+};
+
+/// Names do not tell what is turned and what is moved.
+JsonValue joints_of(const stance::Model& model) {
+  const std::vector<std::string> names = joint_names(model);
+  JsonValue::Array joints;
+  for (const Body& body : model.bodies) {
+    for (const Joint& joint : body.joints) {
+      joints.push_back(JsonObject{{"name", names[joints.size()]},
+                                  {"is_translation", joint.kind == JointKind::translation},
+                                  {"is_of_root", !body.parent.has_value()}});
+    }
+  }
+  return joints;
+}
+
+JsonValue standing_of(const StanceSummary& summary) {
+  if (!summary.equilibrium || !summary.equilibrium->standing) return {};
+  const Figure figure = Figure::whole(summary);
+  return JsonObject{{"figure", figure.shape()}, {"points", figure.points(summary.equilibrium->standing->positions)}};
+}
+
+JsonValue motion_of(const StanceSummary& summary) {
+  if (!summary.motion) return {};
+  const Motion& motion = *summary.motion;
+  const SagittalModel sagittal = sagittal_model(summary.model, summary.uncertain);
+  const Figure figure = Figure::of(summary, sagittal);
+  const auto list = [](const std::vector<Enclosure>& enclosures) {
+    return list_of(enclosures, [](const Enclosure& each) { return ends(each); });
+  };
+  const auto slab = [&](const MotionSlab& each) -> JsonValue {
+    return JsonObject{
+        {"from", each.from},
+        {"to", each.to},
+        {"positions", list(each.positions)},
+        {"velocities", list(each.velocities)},
+        {"normal", list_of(each.contacts, [](const MotionContact& contact) { return ends(contact.normal); })},
+        {"friction", list_of(each.contacts, [](const MotionContact& contact) { return ends(contact.friction); })},
+        {"points", figure.points(all_positions(sagittal, each.positions))}};
+  };
+  return JsonObject{{"duration", summary.motion_duration},
+                    {"joints", motion.joints},
+                    {"contacts", motion.contacts},
+                    {"figure", figure.shape()},
+                    {"slabs", list_of(motion.slabs, slab)}};
+}
+
+}  // namespace
+
+std::string stance_page_data(const StanceSummary& summary) {
+  return JsonObject{{"format", "verisq-stance/1"},
+                    {"result", json_value(summary)},
+                    {"joints", joints_of(summary.model)},
+                    {"standing", standing_of(summary)},
+                    {"motion", motion_of(summary)}}
+      .text();
+}
+
+void write_stance_page(const std::string& file, const StanceSummary& summary) {
+  report::write_filled_page(file, report::stance_page_template(), stance_page_data(summary));
 }
 
 }  // namespace verisq::command_line

@@ -1,11 +1,10 @@
 /// The program `verisq-check`: `verisq check` and nothing else, so that whoever trusts a checked map has to trust no
 /// more than is linked here.
-#include "host/command_line/check_command.hpp"
-#include "host/command_line/run_program.hpp"
+#include "host/command_line/run.hpp"
 
 int main(int argc, char** argv) {
   using namespace verisq::command_line;
   const Program program{.name = "verisq-check",
                         .description = "Prove a finished map again from its certificates, by MPFR alone"};
-  return run_program(program, command("check", program.description, declare_check, run_check), argc, argv);
+  return run_program(program, check_command(), argc, argv);
 }

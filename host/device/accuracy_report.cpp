@@ -1,7 +1,5 @@
 /// This file implements the accuracy report: every operation on the same samples, on a device or on the host, against
 /// exact values rounded once.
-#include "host/device/accuracy_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,12 +9,11 @@
 #include <string>
 #include <string_view>
 
-#include "host/arithmetic/exact_rounding.hpp"
-#include "host/arithmetic/interval_operations.hpp"
-#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
-#include "verify/analysis/exponential.hpp"
+#include "host/device/program.hpp"
+#include "host/device/sample_operations.hpp"
+#include "host/device/self_test.hpp"
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -55,7 +52,7 @@ Operands draw_fused(SampleOperands& samples) {
   return {o.a, o.b, cancels ? -(o.a * o.b) : o.c};
 }
 
-/// In [EXP_LOWEST, EXP_HIGHEST] of kernels/elementary.clh; outside, the bounds are trivial.
+/// In [EXP_LOWEST, EXP_HIGHEST] of kernels/arithmetic.clh; outside, the bounds are trivial.
 Operands draw_exponent(SampleOperands& samples) {
   return {std::clamp(samples.number(Domain::exponent), -708.0, 709.0), 0.0, 0.0};
 }

@@ -3,15 +3,20 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <sstream>
 
-#include "host/arithmetic/self_test.hpp"
-#include "host/opencl/cache.hpp"
-#include "host/opencl/checksum.hpp"
-#include "host/opencl/opencl_library.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/cache.hpp"
+#include "host/device/opencl_library.hpp"
+#include "host/device/program.hpp"
+#include "host/device/self_test.hpp"
+#include "host/threads/background_work.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"
 
@@ -51,8 +56,31 @@ struct Opened {
   LoadedProgram self_test;
 };
 
+bool is_in_path(std::string_view program) {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+// PoCL links each kernel by `ld`, and ends the whole process where there is none.
+bool lacks_linker(const cl::Device& device) {
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+  const bool links = platform.getInfo<CL_PLATFORM_NAME>() == "Portable Computing Language" &&
+                     (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+  return links && !is_in_path("ld");
+}
+
+void require_linker(const cl::Device& device) {
+  if (lacks_linker(device))
+    throw Error(ErrorKind::failure,
+                "PoCL links kernels by ld, which is not in PATH (Debian's package binutils has it)");
+}
+
 // Throws where it cannot be used at all.
 Opened open(const cl::Device& device) {
+  require_linker(device);
   if (device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
     throw Error(ErrorKind::failure, "no binary64 arithmetic (cl_khr_fp64)");
   const cl::Context context(device);
@@ -60,18 +88,6 @@ Opened open(const cl::Device& device) {
   return {{device.getInfo<CL_DEVICE_NAME>(), device, context, width,
            static_cast<std::size_t>(device.getInfo<CL_DEVICE_MAX_CONSTANT_BUFFER_SIZE>())},
           load_program(context, device, width, self_test_sources())};
-}
-
-// Outcomes as the cache keeps them: nothing that a damaged or empty file might say by accident.
-constexpr std::string_view passed = "passed";
-constexpr std::string_view failed = "failed: ";
-
-std::optional<std::string> remembered_failure(std::string_view key) {
-  const auto outcome = cached(key);
-  if (!outcome) return std::nullopt;
-  if (*outcome == passed) return "";
-  if (outcome->starts_with(failed)) return outcome->substr(failed.size());
-  return std::nullopt;
 }
 
 // The first failure of the self-test, or an empty string; from the cache where the same self-test tried the same binary
@@ -86,10 +102,7 @@ std::string self_test_failure(const Opened& opened) {
   const std::string key =
       fmt::format("self-test {}\n{}\n{}\nbinary of {} bytes, CRC-64 {:016x}\n{}", VERISQ_SELF_TEST_DIGEST,
                   identity(device.device), device.vector_width, binary.size(), checksum(binary), self_test_sources());
-  if (auto failure = remembered_failure(key)) return *std::move(failure);
-  std::string failure = tried();
-  store_in_cache(key, failure.empty() ? std::string(passed) : std::string(failed) + failure);
-  return failure;
+  return remembered_failure(key, tried);
 }
 
 struct Tested {
@@ -110,6 +123,42 @@ Tested test(const cl::Device& device) {
   }
 }
 
+// The devices that passed their self-test in this process. They keep their context, and so the programs that were
+// compiled for it (host/device/program.cpp): a second mapper is ready at once.
+class ReadyDevices {
+ public:
+  // Never destroyed: a compilation that was given up may end while the process exits.
+  static ReadyDevices& of_process() {
+    static auto* const devices = new ReadyDevices;  // NOLINT(cppcoreguidelines-*): locked, and never destroyed
+    return *devices;
+  }
+
+  std::optional<Device> find(const cl::Device& device) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find_if(devices_, [&](const Device& d) { return d.device() == device(); });
+    if (known == devices_.end()) return std::nullopt;
+    return *known;
+  }
+
+  void keep(const Device& device) {
+    const std::lock_guard lock(mutex_);
+    devices_.push_back(device);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Device> devices_;
+};
+
+// As `test`, but a device that passed before in this process is ready at once.
+Tested tested_once(const cl::Device& device) {
+  ReadyDevices& devices = ReadyDevices::of_process();
+  if (std::optional<Device> known = devices.find(device); known && !lacks_linker(device)) return {std::move(known), {}};
+  Tested tested = test(device);
+  if (tested.device) devices.keep(*tested.device);
+  return tested;
+}
+
 std::string why_no_device() {
   const std::string missing = missing_opencl_library();
   return missing.empty() ? "no OpenCL device found" : fmt::format("no OpenCL library ({})", missing);
@@ -123,7 +172,7 @@ Selection select_automatically(std::vector<cl::Device> devices) {
   std::stable_partition(devices.begin(), devices.end(), is_gpu);
   Selection selection;
   for (const cl::Device& device : devices) {
-    Tested tested = test(device);
+    Tested tested = tested_once(device);
     if (tested.device) {
       selection.device = std::move(tested.device);
       return selection;
@@ -173,7 +222,14 @@ std::string known_devices(const std::vector<cl::Device>& devices) {
   return fmt::format("{}", fmt::join(known, ", "));
 }
 
+void add_to(std::string& notice, std::string_view reason) {
+  notice += fmt::format("{}{}", notice.empty() ? "" : "; ", reason);
+}
+
 }  // namespace
+
+RefusedDevice::RefusedDevice(const std::string& name, const std::string& failure)
+    : Error(ErrorKind::failure, fmt::format("refused {}: {}", name, failure)) {}
 
 Selection select_device(std::string_view request) {
   const std::vector<cl::Device> devices = all_devices();
@@ -181,17 +237,34 @@ Selection select_device(std::string_view request) {
   const cl::Device* const chosen = find(devices, request);
   if (chosen == nullptr && request.find(',') != std::string_view::npos && all_found(devices, parts_of(request)))
     throw Error(ErrorKind::input,
-                fmt::format("--device {}: several devices make maps of points about unions of convex solids alone, "
+                fmt::format("`device` {}: several devices make maps of points about unions of convex solids alone, "
                             "without certificates; give one",
                             request));
   if (chosen == nullptr)
     throw Error(ErrorKind::input,
-                fmt::format("--device {}: no such device (known: {})", request, known_devices(devices)));
-  Tested tested = test(*chosen);
+                fmt::format("`device` {}: no such device (known: {})", request, known_devices(devices)));
+  Tested tested = tested_once(*chosen);
   if (!tested.device)
-    throw Error(ErrorKind::input, fmt::format("--device {}: {} failed its self-test: {}", request,
-                                              chosen->getInfo<CL_DEVICE_NAME>(), tested.failure));
+    throw Error(ErrorKind::input,
+                fmt::format("`device` {}: refused {}: {}", request, chosen->getInfo<CL_DEVICE_NAME>(), tested.failure));
   return {std::move(tested.device), {}};
+}
+
+Selection select_device(std::string_view request, const std::function<bool()>& ended) {
+  WorkThatMayBeGivenUp<Selection> work([name = std::string(request)] { return select_device(name); });
+  if (std::optional<Selection> selection = work.result(ended)) return *std::move(selection);
+  Selection none;
+  note_early_end(none.notice);
+  return none;
+}
+
+void note_refusal(std::string& notice, std::string_view request, const RefusedDevice& refused) {
+  if (request != "auto") throw Error(ErrorKind::input, fmt::format("`device` {}: {}", request, refused.what()));
+  add_to(notice, refused.what());
+}
+
+void note_early_end(std::string& notice) {
+  add_to(notice, "the work ended before the device's kernels were compiled");
 }
 
 std::vector<std::string> requests_in(std::string_view request) {
@@ -204,7 +277,7 @@ std::vector<std::string> requests_in(std::string_view request) {
   for (const std::string& part : parts) {
     const cl::Device* const device = find(devices, part);
     if (std::ranges::find(found, device) != found.end())
-      throw Error(ErrorKind::input, fmt::format("--device {}: {} is named twice", request, part));
+      throw Error(ErrorKind::input, fmt::format("`device` {}: {} is named twice", request, part));
     found.push_back(device);
   }
   return parts;
@@ -224,6 +297,10 @@ std::vector<DeviceReport> test_devices() {
                        tested.failure});
   }
   return reports;
+}
+
+void leave_compilations_at_exit() {
+  GivenUpThreads::leave_at_exit();
 }
 
 }  // namespace verisq

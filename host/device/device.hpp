@@ -2,13 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "host/opencl/opencl.hpp"
+#include "host/device/opencl.hpp"
+#include "host/threads/background_work.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::device {
 
@@ -21,6 +24,13 @@ struct Device {
   std::size_t constant_memory;  ///< bytes that a buffer in constant memory may have: 64 KiB on many graphics processors
 };
 
+/// A device, whose arithmetic passed, erred on samples of a program (host/device/program_self_test.hpp): nothing that
+/// it computes is to be used. The message is that of a notice.
+class RefusedDevice : public Error {
+ public:
+  RefusedDevice(const std::string& name, const std::string& failure);
+};
+
 /// The device that `request` asks for ("auto", an index or a part of a name; see `test_devices`), or nothing when
 /// "auto" finds none that passes; `notice` then says why. Throws Error(input) when a request matches no device, or one
 /// that failed its self-test.
@@ -29,6 +39,34 @@ struct Selection {
   std::string notice;
 };
 [[nodiscard]] Selection select_device(std::string_view request);
+
+/// Likewise, but no device, and the notice says so, once `ended` is true: the kernels of a self-test compile for
+/// seconds.
+[[nodiscard]] Selection select_device(std::string_view request, const std::function<bool()>& ended);
+
+/// Adds the refusal to the notice; the host steps in. Throws Error(input) where `request` named the device.
+void note_refusal(std::string& notice, std::string_view request, const RefusedDevice& refused);
+/// Adds that the work ended before the kernels were compiled.
+void note_early_end(std::string& notice);
+
+/// Makes the selected device ready by `make`, which must own all that it uses: it may be given up. Returns nothing
+/// where there is no device. Returns nothing, clears the device and says why in the notice, where it errs on samples or
+/// `ended` is true first. Throws as note_refusal.
+template <class Make>
+[[nodiscard]] auto made_ready(Selection& selection, std::string_view request, const std::function<bool()>& ended,
+                              const Make& make) -> decltype(make(*selection.device)) {
+  if (!selection.device) return nullptr;
+  try {
+    using Ready = decltype(make(*selection.device));
+    WorkThatMayBeGivenUp<Ready> work([make, device = *selection.device] { return make(device); });
+    if (std::optional<Ready> ready = work.result(ended)) return *std::move(ready);
+    note_early_end(selection.notice);
+  } catch (const RefusedDevice& refused) {
+    note_refusal(selection.notice, request, refused);
+  }
+  selection.device.reset();
+  return nullptr;
+}
 
 /// What asks for one device each, of a request for several, indices or parts of names with commas between: at least
 /// one. Names may have commas, too. Throws Error(input) where one asks for no device, or for one that another asks for.

@@ -1,9 +1,16 @@
-/// Sorts points into the boxes of areas.
-#include <algorithm>
-#include <utility>
-#include <verisq/cavity.hpp>
+/// Areas of a cavity: points sorted into boxes, and labels of a mesh's vertices.
+#include <fmt/format.h>
 
-#include "host/files/model_areas.hpp"
+#include <algorithm>
+#include <map>
+#include <new>
+#include <utility>
+#include <verisq/clearance.hpp>
+#include <verisq/error.hpp>
+
+#include "host/files/mesh_file.hpp"
+#include "host/files/model_file.hpp"
+#include "host/files/words.hpp"
 
 namespace verisq {
 namespace {
@@ -26,6 +33,59 @@ Cavity cavity(std::vector<Point> points, std::span<const AreaBox> boxes, double 
   const bool all_within = std::ranges::none_of(result.area_of, [&](std::uint32_t k) { return k == boxes.size(); });
   if (!all_within) result.areas.push_back({std::string(elsewhere), weight_elsewhere});
   return result;
+}
+
+namespace {
+
+/// Position of each value among the distinct ones, in ascending order.
+std::map<std::int64_t, std::uint32_t> ranks(std::span<const std::int64_t> labels) {
+  std::map<std::int64_t, std::uint32_t> rank;
+  for (const std::int64_t label : labels) rank.emplace(label, 0);
+  std::uint32_t next = 0;
+  for (auto& entry : rank) entry.second = next++;
+  return rank;
+}
+
+LabelledMesh read_labels(const std::filesystem::path& path, const std::string& property) {
+  if (lower_case(path.extension().string()) != ".ply") {
+    throw Error(ErrorKind::input, fmt::format("{}: labels of vertices are read from .ply only", path.string()));
+  }
+  InputFile file(path);
+  if (file.size() == 0) file.fail_whole("not a regular file: a mesh needs a known size");
+  try {
+    return read_labelled_ply(file, property);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::failure, fmt::format("{}: not enough memory for this mesh", path.string()));
+  }
+}
+
+}  // namespace
+
+Cavity labelled_cavity(std::vector<Point> points, std::span<const std::int64_t> labels, std::span<const Area> weights) {
+  const auto rank = ranks(labels);
+  Cavity cavity{std::move(points), {}, {}};
+  for (const auto& [label, index] : rank) cavity.areas.push_back({std::to_string(label), 1.0});
+  for (const Area& weight : weights) {
+    const auto area = std::ranges::find(cavity.areas, weight.name, &Area::name);
+    if (area == cavity.areas.end()) {
+      throw Error(ErrorKind::input,
+                  fmt::format("no vertex has the value {}, which has a weight", in_quotes(weight.name)));
+    }
+    area->weight = weight.weight;
+  }
+  cavity.area_of.reserve(labels.size());
+  for (const std::int64_t label : labels) cavity.area_of.push_back(rank.at(label));
+  return cavity;
+}
+
+Cavity read_labelled_cavity(const std::filesystem::path& mesh, const std::string& property,
+                            std::span<const Area> weights) {
+  LabelledMesh labelled = read_labels(mesh, property);
+  try {
+    return labelled_cavity(std::move(labelled.mesh.vertices), labelled.labels, weights);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: property {}: {}", mesh.string(), in_quotes(property), error.what()));
+  }
 }
 
 }  // namespace verisq

@@ -1,29 +1,28 @@
-/// The certificate format `verisq-certificate/1`: what docs/formats.md §9 accepts and refuses.
+/// Certificate files, `verisq-certificate/1`: reads and writes all kinds by their descriptions (docs/formats.md §9).
 #include <fmt/format.h>
 
-#include <utility>
+#include <functional>
+#include <numeric>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
 #include <verisq/certificate_file.hpp>
 
-#include "host/files/best_fit_answer.hpp"
-#include "host/files/certificate_fields.hpp"
-#include "host/files/certificate_size.hpp"
-#include "host/files/contact_answer.hpp"
+#include "host/files/body_answer.hpp"
+#include "host/files/certificate_archive.hpp"
 #include "host/files/deviation_answer.hpp"
-#include "host/files/equilibrium_answer.hpp"
-#include "host/files/features_answer.hpp"
 #include "host/files/fit_answer.hpp"
 #include "host/files/input_file.hpp"
-#include "host/files/insertion_answer.hpp"
-#include "host/files/json_document.hpp"
-#include "host/files/pair_proof.hpp"
-#include "host/files/path_answer.hpp"
-#include "host/files/sha256.hpp"
-#include "host/files/subject_file.hpp"
+#include "host/files/output_file.hpp"
+#include "host/files/pair_answer.hpp"
 
 namespace verisq {
 namespace {
 
-constexpr std::string_view certificate_format = "verisq-certificate/1";
+using certificates::certificate_format;
+using certificates::kind_of;
 
 /// Of the kind that it returns.
 std::string checked_kind(const JsonValue& root) {
@@ -34,36 +33,56 @@ std::string checked_kind(const JsonValue& root) {
   return root.at("kind").text();
 }
 
-PosedAnswer read_posed(const JsonValue& value) {
-  return {read_pose_object(value.at("pose")), read_claim(value.at("distance")), read_pair_proof(value.at("proof"))};
+template <class Kind>
+Kind read_kind(const JsonValue& root) {
+  Kind answer{};
+  describe(certificates::ReadingArchive(root), answer);
+  return answer;
 }
 
-PairAnswer read_pair(const JsonValue& root) {
-  root.check_keys({"format", "kind", "models", "units", "pose", "distance", "proof"});
-  auto [pose, distance, certificate] = read_posed(root);
-  return {read_two_models(root.at("models")), units_of(root), pose, distance, std::move(certificate)};
+/// "pair", "poses" or "path"
+template <class... Kinds>
+std::string words_of(std::type_identity<std::variant<Kinds...>> /*kinds*/) {
+  std::string text;
+  std::size_t left = sizeof...(Kinds);
+  ((text += fmt::format("\"{}\"{}", kind_of<Kinds>.word, left > 2 ? ", " : left == 2 ? " or " : ""), --left), ...);
+  return text;
 }
 
-PoseAnswers read_poses(const JsonValue& root) {
-  root.check_keys({"format", "kind", "models", "units", "answers"});
-  PoseAnswers result{read_two_models(root.at("models")), units_of(root), {}};
-  const JsonValue answers = root.at("answers");
-  if (answers.size() == 0) answers.fail("must not be empty");
-  result.answers.reserve(answers.size());
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    const JsonValue answer = answers.element(i);
-    answer.check_keys({"pose", "distance", "proof"});
-    result.answers.push_back(read_posed(answer));
-  }
-  return result;
+template <class... Kinds>
+Answer read_any(const JsonValue& root, std::type_identity<std::variant<Kinds...>> kinds) {
+  const std::string kind = checked_kind(root);
+  Answer answer;
+  const bool known = ((kind == kind_of<Kinds>.word && (answer = read_kind<Kinds>(root), true)) || ...);
+  if (!known) root.at("kind").fail("must be " + words_of(kinds));
+  return answer;
 }
 
 /// All of it, whose text is valid as long as `file`.
 std::string_view whole(InputFile& file) {
-  const std::string_view text = file.peek(largest_certificate + 1);
+  const std::string_view text = file.peek_text(largest_certificate + 1);
   if (text.size() > largest_certificate)
     file.fail_whole(fmt::format("larger than {} bytes: not a certificate", largest_certificate));
   return text;
+}
+
+template <class Kind>
+std::string text_of(const Kind& answer, const std::string& name) {
+  certificates::Document document{name};
+  describe(certificates::WritingArchive(document.head, &document), answer);
+  if (!document.lines.empty()) return std::move(document.lines) + "}\n";
+  constexpr int indentation = kind_of<Kind>.indentation;
+  std::string text = certificates::text_of(document.head, indentation) + "\n";
+  if (indentation < 0 && text.size() > largest_certificate)
+    refuse(fmt::format("{}: takes more than the {} bytes of a certificate file", name, largest_certificate));
+  return text;
+}
+
+std::vector<std::uint32_t> areas_of(std::span<const AreaRun> runs) {
+  std::vector<std::uint32_t> areas;
+  areas.reserve(points_of(runs));
+  for (const auto& [area, points] : runs) areas.insert(areas.end(), points, area);
+  return areas;
 }
 
 }  // namespace
@@ -81,21 +100,7 @@ SubjectFile subject_file(const std::filesystem::path& path) {
 
 Answer parse_answer(std::string_view json, std::string_view name) {
   const nlohmann::json document = parse_json(json, name);
-  const JsonValue root(document, name);
-  const std::string kind = checked_kind(root);
-  if (kind == "pair") return read_pair(root);
-  if (kind == "poses") return read_poses(root);
-  if (kind == "fit") return read_fit(root);
-  if (kind == "best_fit") return read_best_fit(root);
-  if (kind == "insertion") return read_insertion(root);
-  if (kind == "deviation") return read_deviation(root);
-  if (kind == "contact") return read_contact(root);
-  if (kind == "features") return read_features(root);
-  if (kind == "equilibrium") return read_equilibrium(root);
-  if (kind == "path") return read_path_answer(root);
-  root.at("kind").fail(
-      "must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", \"deviation\", \"contact\", "
-      "\"features\" or \"equilibrium\"");
+  return read_any(JsonValue(document, name), std::type_identity<Answer>());
 }
 
 Answer read_answer(const std::filesystem::path& path) {
@@ -107,12 +112,52 @@ PairAnswer parse_pair_answer(std::string_view json, std::string_view name) {
   const nlohmann::json document = parse_json(json, name);
   const JsonValue root(document, name);
   if (checked_kind(root) != "pair") root.at("kind").fail("must be \"pair\"");
-  return read_pair(root);
+  return read_kind<PairAnswer>(root);
 }
 
 PairAnswer read_pair_answer(const std::filesystem::path& path) {
   InputFile file(path);
   return parse_pair_answer(whole(file), path.string());
+}
+
+void write_answer(const std::filesystem::path& path, const Answer& answer) {
+  const std::string text = std::visit([&](const auto& kind) { return text_of(kind, path.string()); }, answer);
+  OutputFile file(path);
+  file.write(text);
+  file.finish();
+}
+
+// What answers hold in other words.
+
+std::uint64_t points_of(const StatedTerms& stated) {
+  return points_of(stated.area_runs);
+}
+
+std::uint64_t points_of(std::span<const AreaRun> runs) {
+  return std::transform_reduce(runs.begin(), runs.end(), std::uint64_t{0}, std::plus<>(),
+                               [](const AreaRun& run) { return run.points; });
+}
+
+std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of) {
+  std::vector<AreaRun> runs;
+  for (const std::uint32_t area : area_of) {
+    if (runs.empty() || runs.back().area != area) runs.push_back({area, 0});
+    ++runs.back().points;
+  }
+  return runs;
+}
+
+ClearanceTerms terms_of(const StatedTerms& stated) {
+  return {stated.fitness, stated.penetration_limit, stated.areas, areas_of(stated.area_runs)};
+}
+
+BestFitClaim claim_of(const BestFitAnswer& answer) {
+  return {.terms = terms_of(answer.terms), .range = answer.range, .centres = answer.centres, .upper = answer.upper};
+}
+
+ContactTerms terms_of(const ContactAnswer& answer) {
+  return {answer.distance, areas_of(answer.region_runs), static_cast<std::uint32_t>(answer.regions.size()),
+          answer.counted};
 }
 
 }  // namespace verisq

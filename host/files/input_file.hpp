@@ -1,18 +1,26 @@
-/// A file read once, front to back, in large blocks: by lines or by bytes, always able to say where it stands.
+/// Files as bytes: read once, front to back, in large blocks; numbers of a stated byte order, SHA-256, links.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace verisq {
+
+// A file read once, front to back, in large blocks: by lines or by bytes, always able to say where it stands.
 
 /// Throws Error(input) that begins with the file's name.
 [[noreturn]] void refuse_file(std::string_view name, std::string_view message);
@@ -27,6 +35,9 @@ class InputFile {
   /// Throws Error(input) when the file is missing, a directory, unreadable or empty.
   explicit InputFile(const std::filesystem::path& path);
 
+  /// Bytes that were read before, of the file of that name. Throws likewise where there are none.
+  InputFile(std::string name, std::string_view bytes);
+
   /// What is left of the standard input. Throws likewise.
   [[nodiscard]] static InputFile standard_input();
 
@@ -36,6 +47,10 @@ class InputFile {
   [[nodiscard]] std::uint64_t size() const { return size_; }  ///< in bytes; 0 when not known (a pipe)
   [[nodiscard]] std::uint64_t position() const { return block_start_ + next_; }  ///< bytes consumed
   [[nodiscard]] std::uint64_t remaining() const { return size_ < position() ? 0 : size_ - position(); }
+
+  /// Begins to read text: passes over the byte order mark of UTF-8 where the file begins with one. Throws Error(input)
+  /// for text in UTF-16 or UTF-32. The functions that read lines or text begin by it.
+  void begin_text();
 
   /// The next line without its end ("\n" or "\r\n"); valid until the next call. Nothing at the end of the file.
   std::optional<std::string_view> next_line();
@@ -63,6 +78,15 @@ class InputFile {
   /// At most `count` bytes from the front of what is unread, without consuming them.
   std::string_view peek(std::size_t count);
 
+  /// The same of a text.
+  std::string_view peek_text(std::size_t count);
+
+  /// True where nothing is left but a line end, which some writers put behind binary data.
+  [[nodiscard]] bool is_at_end() {
+    const std::string_view rest = peek(3);
+    return rest.empty() || rest == "\n" || rest == "\r\n";
+  }
+
   /// Goes on at `position`. Precondition: a file of known size that is no standard input.
   void go_to(std::uint64_t position);
 
@@ -88,7 +112,7 @@ class InputFile {
   [[nodiscard]] std::string_view unread() const { return {buffer_.data() + next_, end_ - next_}; }
 
   std::string name_;
-  std::unique_ptr<std::FILE, Close> file_;
+  std::unique_ptr<std::FILE, Close> file_;  ///< none: all bytes are in the buffer
   std::uint64_t size_ = 0;
   std::vector<char> buffer_;
   std::size_t next_ = 0;  // unread bytes are [next_, end_) of the buffer
@@ -96,8 +120,64 @@ class InputFile {
   std::uint64_t block_start_ = 0;  // position in the file of the buffer's first byte
   std::uint64_t line_number_ = 0;  // of the line read last, from 1
   bool line_has_end_ = false;
+  bool text_has_begun_ = false;
   std::uint64_t bytes_start_ = 0;  // of the bytes taken last, from 0
   Unit last_read_ = Unit::nothing;
 };
+
+// Where an output's name leads to.
+
+/// Through all symbolic links, whether there is a file or not. Precondition: they do not lead in circles.
+[[nodiscard]] std::filesystem::path through_links(std::filesystem::path name);
+
+// Numbers from and to bytes of a stated order, whatever the order of this machine.
+
+template <class Number>
+requires std::is_arithmetic_v<Number>
+[[nodiscard]] Number reversed_bytes(Number value) {
+  auto bytes = std::bit_cast<std::array<std::byte, sizeof(Number)>>(value);
+  std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<Number>(bytes);
+}
+
+/// The number stored in `order` at `bytes`, which need not be aligned.
+template <class Number>
+[[nodiscard]] Number number_from(const char* bytes, std::endian order) {
+  Number value;
+  std::memcpy(&value, bytes, sizeof value);
+  return order == std::endian::native ? value : reversed_bytes(value);
+}
+
+/// The value whose bytes on this machine are those of `value` in little-endian order.
+template <class Number>
+[[nodiscard]] Number in_little_endian(Number value) {
+  return std::endian::native == std::endian::little ? value : reversed_bytes(value);
+}
+
+// SHA-256 (FIPS 180-4), by which people and certificates tell which file an answer is about.
+
+/// Own code and no library: a program that checks certificates would otherwise be linked to one that is twenty times
+/// its size. No proof rests on it: what is proven is proven of the model that was read, whatever its digest.
+class Sha256 {
+ public:
+  /// Takes the next bytes.
+  void add(std::span<const std::byte> bytes);
+
+  /// Of all bytes so far, 64 hexadecimal digits in small letters. Nothing may be added after it.
+  [[nodiscard]] std::string digest();
+
+ private:
+  static constexpr std::size_t block_size = 64;
+
+  void take_block();
+
+  std::array<std::uint32_t, 8> state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                      0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  std::array<std::uint8_t, block_size> block_{};
+  std::uint64_t bytes_ = 0;
+};
+
+/// Of all these bytes.
+[[nodiscard]] std::string sha256(std::string_view bytes);
 
 }  // namespace verisq

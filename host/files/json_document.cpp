@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <vector>
 #include <verisq/enclosure.hpp>
@@ -20,6 +21,19 @@ using Json = nlohmann::json;
 /// An operator of a model's csg takes two levels. Whoever reads, copies or destroys such trees recurses: by up to 0.4
 /// KiB of stack an operator, 2 KiB under the address sanitizer (measured), where the usual stack has 8 MiB.
 constexpr std::size_t deepest_level = 2048;
+
+/// About what nlohmann-json allocates, in bytes: values in their arrays, containers and keys in trees of their own.
+/// "{}," has 3 bytes and takes 80, rows of certificates take less than 10 times their text.
+constexpr std::size_t of_a_value = 16;
+constexpr std::size_t of_an_array = 48;
+constexpr std::size_t of_an_object = 64;
+constexpr std::size_t of_a_key = 96;
+constexpr std::size_t of_a_string = 48;
+
+/// More is refused before the tree is made: a file of 60 MiB must not take gibibytes.
+std::size_t most_memory(std::size_t text) {
+  return (std::size_t{1} << 24U) + 16 * text;
+}
 
 std::string shortened(std::string text, std::size_t longest) {
   if (text.size() <= longest) return text;
@@ -144,7 +158,10 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   bool number_integer(number_integer_t /*value*/) override { return end_value(); }
   bool number_unsigned(number_unsigned_t /*value*/) override { return end_value(); }
   bool number_float(number_float_t /*value*/, const string_t& /*digits*/) override { return end_value(); }
-  bool string(string_t& /*value*/) override { return end_value(); }
+  bool string(string_t& value) override {
+    take(of_a_string + value.size());
+    return end_value();
+  }
   bool binary(binary_t& /*value*/) override { return end_value(); }
   bool start_object(std::size_t /*size*/) override { return start_level(false); }
   bool start_array(std::size_t /*size*/) override { return start_level(true); }
@@ -155,6 +172,7 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
     Level& level = levels_.back();
     level.key = key;
     if (!level.keys.insert(key).second) refuse_file(name_, path() + ": the key appears twice");
+    take(of_a_key + key.size());
     return true;
   }
 
@@ -179,6 +197,7 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
                               position_of_too_deep_a_level(text_), deepest_level));
     }
     levels_.push_back({.array = array});
+    take(array ? of_an_array : of_an_object);
     return true;
   }
 
@@ -188,8 +207,17 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   }
 
   bool end_value() {
+    take(of_a_value);
     if (!levels_.empty()) ++levels_.back().index;
     return true;
+  }
+
+  void take(std::size_t memory) {
+    memory_ += memory;
+    if (memory_ <= most_memory(text_.size())) return;
+    refuse_file(name_, fmt::format("{}: too many values that hold next to nothing: those up to here would take {} MiB "
+                                   "of memory, and the file has {} bytes",
+                                   path(), memory_ >> 20U, text_.size()));
   }
 
   [[nodiscard]] std::string path() const {
@@ -201,16 +229,19 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   std::string_view text_;
   std::string_view name_;
   std::vector<Level> levels_;
+  std::size_t memory_ = 0;  ///< that the tree would take
 };
 
 /// Of UTF-8, as JSON is: those that terminals obey, of which some begin with C2, and those that end a line or turn what
-/// follows round, U+2028 to U+202E and U+2066 to U+2069.
+/// follows round, U+061C, U+200E, U+200F, U+2028 to U+202E and U+2066 to U+2069.
 bool has_control_characters(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0U; };
     if (byte(0) < 0x20 || byte(0) == 0x7f) return true;
     if (byte(0) == 0xc2 && byte(1) < 0xa0) return true;
+    if (byte(0) == 0xd8 && byte(1) == 0x9c) return true;
     if (byte(0) != 0xe2) continue;
+    if (byte(1) == 0x80 && (byte(2) == 0x8e || byte(2) == 0x8f)) return true;
     if (byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae) return true;
     if (byte(1) == 0x81 && byte(2) >= 0xa6 && byte(2) <= 0xa9) return true;
   }
@@ -225,6 +256,13 @@ Json parse_json(std::string_view text, std::string_view name) {
   // The parser takes one for the end of the text.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
     refuse_file(name, fmt::format("byte {} is 0, which is no JSON", zero));
+  if (const std::size_t start = text.find_first_not_of(" \t\r\n"); start != std::string_view::npos) {
+    constexpr std::string_view beginnings = "{[\"-0123456789tfn";
+    const std::string_view first_line = text.substr(start, text.find_first_of("\r\n", start) - start);
+    if (beginnings.find(text[start]) == std::string_view::npos)
+      refuse_file(name, fmt::format("begins with {}: no JSON, which models, landmarks and certificates are",
+                                    in_quotes(Words(first_line).next())));
+  }
   StrictEvents events(text, name);
   Json::sax_parse(text, &events);
   return Json::parse(text);
@@ -258,6 +296,16 @@ std::size_t JsonValue::size() const {
 
 JsonValue JsonValue::element(std::size_t index) const {
   return within((*value_)[index]);
+}
+
+JsonValue JsonValue::at_place(std::string_view place) const {
+  const std::size_t end = place.find_first_of(".[", 1);
+  const std::string_view step = place.substr(0, end);
+  std::size_t index = 0;
+  const bool is_index = step.starts_with('[');
+  if (is_index) std::from_chars(step.data() + 1, step.data() + step.size(), index);
+  const JsonValue found = is_index ? element(index) : at(step.starts_with('.') ? step.substr(1) : step);
+  return end == std::string_view::npos ? found : found.at_place(place.substr(end));
 }
 
 std::string JsonValue::text() const {

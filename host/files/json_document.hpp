@@ -12,7 +12,8 @@ namespace verisq {
 
 /// Parses a whole document. Throws Error(input), one line that starts with `name`: with line and column for syntax
 /// errors; and for nesting deeper than 2048 levels (so that readers may recurse); with the path of the key for
-/// duplicate keys and numbers beyond binary64. Takes time in proportion to the text.
+/// duplicate keys and numbers beyond binary64, and of the value up to which a tree would take more than 16 MiB and 16
+/// times the text. Takes time and memory in proportion to the text.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, std::string_view name);
 
 /// A value of a parsed document. Every check throws Error(input): "NAME: PATH = VALUE: what is wrong", where the path
@@ -36,6 +37,9 @@ class JsonValue {
   [[nodiscard]] std::size_t size() const;
   /// Precondition: index < size().
   [[nodiscard]] JsonValue element(std::size_t index) const;
+
+  /// The value at "primitives[2].pose", a path in this one; fails where a step is missing.
+  [[nodiscard]] JsonValue at_place(std::string_view place) const;
 
   [[nodiscard]] std::string text() const;  ///< fails unless this is a string
   /// A string that is shown: fails unless it is of one line, without control characters.

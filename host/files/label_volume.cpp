@@ -1,4 +1,6 @@
-/// The readers' common part, and what can be asked of a volume.
+/// This file implements label_volume.hpp.
+#include "host/files/label_volume.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,13 +9,90 @@
 #include <limits>
 #include <new>
 #include <verisq/error.hpp>
-#include <verisq/label_volume.hpp>
+#include <verisq/files.hpp>
 
-#include "host/files/volume_formats.hpp"
+#include "host/files/input_file.hpp"
 #include "host/files/words.hpp"
-#include "host/mesh/determinant.hpp"
+#include "host/prepare/mesh_geometry.hpp"
 
 namespace verisq {
+namespace {
+
+constexpr std::size_t block = std::size_t{1} << 16;
+constexpr int gzip_only = 16 + MAX_WBITS;
+
+/// Deflate codes at most 258 bytes by two bits (RFC 1951, section 3.2.5): zlib's manual says 1032:1.
+constexpr std::uint64_t most_bytes_of_one = 1032;
+
+}  // namespace
+
+ByteStream::ByteStream(InputFile& file, Packing packing)
+    : file_(file), packing_(packing), packed_size_(file.remaining()) {
+  if (packing_ == Packing::gzip && inflateInit2(&zlib_, gzip_only) != Z_OK) throw std::bad_alloc();
+}
+
+ByteStream::~ByteStream() {
+  if (packing_ == Packing::gzip) inflateEnd(&zlib_);
+}
+
+std::uint64_t ByteStream::most_bytes() const {
+  return packing_ == Packing::none ? packed_size_ : most_bytes_of_one * packed_size_;
+}
+
+void ByteStream::next_member() {
+  if (inflateReset(&zlib_) != Z_OK) file_.fail_whole("cannot be unpacked");
+  between_members_ = false;
+}
+
+std::size_t ByteStream::unpack(std::span<char> bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const std::string_view packed = file_.peek(block);
+    if (packed.empty()) {
+      if (!between_members_) file_.fail_whole("truncated: the file ends inside its gzip data");
+      break;
+    }
+    if (between_members_) next_member();
+    const std::size_t room = std::min(bytes.size() - done, block);
+    // zlib reads through a pointer that is not const, and does not write there.
+    zlib_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+    zlib_.avail_in = static_cast<uInt>(packed.size());
+    zlib_.next_out = reinterpret_cast<Bytef*>(bytes.data() + done);
+    zlib_.avail_out = static_cast<uInt>(room);
+    const int outcome = inflate(&zlib_, Z_NO_FLUSH);
+    if (outcome != Z_OK && outcome != Z_STREAM_END) {
+      const char* why = zlib_.msg != nullptr ? zlib_.msg : "data are missing";
+      file_.fail_whole(fmt::format("gzip data near byte {}: {}", file_.position(), printable(why)));
+    }
+    between_members_ = outcome == Z_STREAM_END;
+    (void)file_.take(packed.size() - zlib_.avail_in, "gzip data");
+    done += room - zlib_.avail_out;
+  }
+  return done;
+}
+
+void ByteStream::read(std::span<char> bytes, std::string_view what) {
+  if (packing_ == Packing::none) {
+    for (std::size_t done = 0; done < bytes.size(); done += std::min(block, bytes.size() - done)) {
+      const auto part = bytes.subspan(done, std::min(block, bytes.size() - done));
+      std::ranges::copy(file_.take(part.size(), what), part.begin());
+    }
+    return;
+  }
+  const std::size_t unpacked = unpack(bytes);
+  if (unpacked < bytes.size())
+    file_.fail_whole(
+        fmt::format("truncated: its gzip data end {} bytes early, inside {}", bytes.size() - unpacked, what));
+}
+
+void ByteStream::expect_end(std::string_view what) {
+  const bool more = packing_ == Packing::none ? !file_.peek(1).empty() : [&] {
+    char byte = 0;
+    return unpack({&byte, 1}) > 0;
+  }();
+  if (more) file_.fail_whole(fmt::format("there are more bytes after {}", what));
+}
+
 namespace {
 
 LabelVolume read(InputFile& file, const std::string& name) {
@@ -84,6 +163,90 @@ LabelVolume in_space(LabelVolume volume, AnatomicalSpace space) {
 
 double voxel_volume(const LabelVolume& volume) {
   return std::abs(determinant(volume.steps));
+}
+
+namespace {
+
+constexpr std::size_t voxels_of_block = std::size_t{1} << 16;
+
+template <class Value>
+void append_labels(const InputFile& file, std::span<const char> bytes, std::endian order,
+                   std::vector<std::uint16_t>& labels) {
+  constexpr auto largest = static_cast<Value>(std::min<std::uint64_t>(
+      std::numeric_limits<std::uint16_t>::max(),
+      std::numeric_limits<Value>::is_integer ? static_cast<std::uint64_t>(std::numeric_limits<Value>::max()) : 65535));
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value)) {
+    const auto value = number_from<Value>(bytes.data() + at, order);
+    // Not a number fails the first comparison.
+    if (!(value >= Value{0} && value <= largest) || static_cast<Value>(static_cast<std::uint16_t>(value)) != value) {
+      file.fail_whole(
+          fmt::format("voxel {} (from 0) is {}: labels are integers from 0 to 65535", labels.size(), +value));
+    }
+    labels.push_back(static_cast<std::uint16_t>(value));
+  }
+}
+
+void append_labels(const InputFile& file, std::span<const char> bytes, VoxelType type, std::endian order,
+                   std::vector<std::uint16_t>& labels) {
+  switch (type) {
+    case VoxelType::int8: return append_labels<std::int8_t>(file, bytes, order, labels);
+    case VoxelType::uint8: return append_labels<std::uint8_t>(file, bytes, order, labels);
+    case VoxelType::int16: return append_labels<std::int16_t>(file, bytes, order, labels);
+    case VoxelType::uint16: return append_labels<std::uint16_t>(file, bytes, order, labels);
+    case VoxelType::int32: return append_labels<std::int32_t>(file, bytes, order, labels);
+    case VoxelType::uint32: return append_labels<std::uint32_t>(file, bytes, order, labels);
+    case VoxelType::int64: return append_labels<std::int64_t>(file, bytes, order, labels);
+    case VoxelType::uint64: return append_labels<std::uint64_t>(file, bytes, order, labels);
+    case VoxelType::float32: return append_labels<float>(file, bytes, order, labels);
+    case VoxelType::float64: return append_labels<double>(file, bytes, order, labels);
+  }
+}
+
+}  // namespace
+
+std::size_t size_of(VoxelType type) {
+  switch (type) {
+    case VoxelType::int8:
+    case VoxelType::uint8: return 1;
+    case VoxelType::int16:
+    case VoxelType::uint16: return 2;
+    case VoxelType::int32:
+    case VoxelType::uint32:
+    case VoxelType::float32: return 4;
+    case VoxelType::int64:
+    case VoxelType::uint64:
+    case VoxelType::float64: break;
+  }
+  return 8;
+}
+
+std::size_t voxel_count(const InputFile& file, const ByteStream& stream, const std::array<std::int64_t, 3>& counts,
+                        VoxelType type) {
+  const std::uint64_t most = stream.most_bytes() / size_of(type);
+  std::uint64_t voxels = 1;
+  for (const std::int64_t count : counts) {
+    if (count < 1) file.fail_whole(fmt::format("{} voxels along an axis: must be positive", count));
+    if (static_cast<std::uint64_t>(count) > most / voxels) {
+      file.fail_whole(fmt::format("{} x {} x {} voxels of {} bytes: more than a file of {} bytes can hold", counts[0],
+                                  counts[1], counts[2], size_of(type), file.size()));
+    }
+    voxels *= static_cast<std::uint64_t>(count);
+  }
+  return voxels;
+}
+
+std::vector<std::uint16_t> read_voxels(const InputFile& file, ByteStream& stream, std::size_t count, VoxelType type,
+                                       std::endian order) {
+  std::vector<std::uint16_t> labels;
+  labels.reserve(count);
+  std::vector<char> bytes;
+  while (labels.size() < count) {
+    bytes.resize(size_of(type) * std::min(voxels_of_block, count - labels.size()));
+    stream.read(bytes, "the voxels");
+    append_labels(file, bytes, type, order, labels);
+  }
+  stream.expect_end("the last voxel");
+  return labels;
 }
 
 }  // namespace verisq

@@ -1,19 +1,33 @@
-/// Which rows a part has, and the format `verisq-part/1` beside it: docs/formats.md §10.
+/// Parts of maps: the format `verisq-part/1` beside them (docs/formats.md §10), and the whole made of all.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
-#include <verisq/map_part.hpp>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <verisq/error.hpp>
+#include <verisq/map_file.hpp>
 #include <verisq/version.hpp>
 
+#include "host/errors/refusal.hpp"
+#include "host/files/certificate_archive.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
+#include "host/files/npy_header.hpp"
 #include "host/files/output_file.hpp"
-#include "host/files/sha256.hpp"
-#include "host/files/subject_file.hpp"
+#include "host/files/words.hpp"
 
 namespace verisq {
+
+/// The whole file. `sources`: the pieces, from where it lies; `closest_points`: whether they have these.
+[[nodiscard]] std::string pvtp_document(std::span<const std::string> sources, bool closest_points);
+
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
@@ -30,10 +44,6 @@ std::string_view word_of(MapElements elements) {
     case MapElements::poses: break;
   }
   return "poses";
-}
-
-OrderedJson json_of_subject(const SubjectFile& file) {
-  return {{"file", file.name}, {"sha256", file.sha256}};
 }
 
 /// Of no rows the smallest distance is infinite, of unbounded ones the width.
@@ -130,11 +140,10 @@ MapPart parse_map_part(std::string_view text, std::string_view name) {
   if (part.rows != rows_of_part(part.part, part.parts, part.rows_in_all)) {
     rows.at("first").fail(fmt::format("these are not the rows of part {} of {}", part.part, part.parts));
   }
-  part.map = read_subject_file(root.at("map"));
-  const JsonValue models = root.at("models");
-  for (std::size_t i = 0; i < models.size(); ++i) part.models.push_back(read_subject_file(models.element(i)));
+  describe(certificates::ReadingArchive(root.at("map")), part.map);
+  describe(certificates::ReadingArchive(root.at("models")), part.models);
   part.elements = read_elements(root.at("elements"));
-  part.input = read_subject_file(root.at("input"));
+  describe(certificates::ReadingArchive(root.at("input")), part.input);
   part.settings = read_settings(root.at("settings"));
   read_summary(root.at("summary"), part);
   return part;
@@ -168,11 +177,10 @@ SubjectFile digest_of_file(const std::filesystem::path& path) {
 void write_map_part(const std::filesystem::path& map, const MapPart& part) {
   OrderedJson document{{"format", part_format}, {"version", part.version}, {"part", part.part}, {"parts", part.parts}};
   document["rows"] = {{"first", part.rows.first}, {"count", part.rows.count}, {"in_all", part.rows_in_all}};
-  document["map"] = json_of_subject(part.map);
-  document["models"] = OrderedJson::array();
-  for (const SubjectFile& model : part.models) document["models"].push_back(json_of_subject(model));
+  describe(certificates::WritingArchive(document["map"]), part.map);
+  describe(certificates::WritingArchive(document["models"]), part.models);
   document["elements"] = word_of(part.elements);
-  document["input"] = json_of_subject(part.input);
+  describe(certificates::WritingArchive(document["input"]), part.input);
   document["settings"] = OrderedJson::object();
   for (const auto& [name, value] : part.settings) document["settings"][name] = value;
   document["summary"] = json_of_summary(part);
@@ -182,12 +190,362 @@ void write_map_part(const std::filesystem::path& map, const MapPart& part) {
 }
 
 MapPart read_map_part(const std::filesystem::path& map) {
-  InputFile file(part_file_of(map));
-  const std::string_view text = file.peek(largest_part_file + 1);
+  const std::filesystem::path description = part_file_of(map);
+  std::error_code none;
+  if (std::filesystem::exists(map, none) && !std::filesystem::exists(description, none)) {
+    throw Error(ErrorKind::input, fmt::format("{}: no such file: {} is no part of a map, as `part` writes them",
+                                              description.string(), map.string()));
+  }
+  InputFile file(description);
+  const std::string_view text = file.peek_text(largest_part_file + 1);
   if (text.size() > largest_part_file) {
     file.fail_whole(fmt::format("larger than {} bytes: not what stands beside a part", largest_part_file));
   }
   return parse_map_part(text, file.name());
+}
+
+namespace {
+
+std::string in_attribute(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '"': escaped += "&quot;"; break;
+      case '\t':
+      case '\n':
+      case '\r': escaped += fmt::format("&#{};", static_cast<int>(c)); break;  // else a blank to the reader
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string array(std::string_view type, std::string_view name, int components) {
+  return fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", type, name, components);
+}
+
+std::string results(bool closest_points) {
+  std::string text;
+  for (const char* const name : {"dist_lo", "dist_hi", "dist_mid"}) text += array("Float64", name, 1);
+  text += array("UInt8", "status", 1);
+  if (!closest_points) return text;
+  text += array("UInt8", "unique", 1);
+  for (const char* const name : {"closest_lo", "closest_hi", "normal_lo", "normal_hi", "normal"})
+    text += array("Float64", name, 3);
+  return text + array("Int32", "primitive", 1);
+}
+
+}  // namespace
+
+std::string pvtp_document(std::span<const std::string> sources, bool closest_points) {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PPolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "  <PPolyData GhostLevel=\"0\">\n";
+  text += fmt::format("    <PPointData Scalars=\"dist_mid\"{}>\n{}    </PPointData>\n",
+                      closest_points ? " Vectors=\"normal\"" : "", results(closest_points));
+  text += fmt::format("    <PPoints>\n{}    </PPoints>\n", array("Float64", "Points", 3));
+  for (const std::string& source : sources) text += fmt::format("    <Piece Source=\"{}\"/>\n", in_attribute(source));
+  return text + "  </PPolyData>\n</VTKFile>\n";
+}
+
+namespace {
+
+struct GivenPart {
+  std::filesystem::path path;
+  MapPart part;
+};
+
+std::vector<GivenPart> read_parts(std::span<const std::filesystem::path> paths) {
+  if (paths.empty()) throw Error(ErrorKind::input, "no parts to merge");
+  std::vector<GivenPart> parts;
+  parts.reserve(paths.size());
+  for (const std::filesystem::path& path : paths) parts.push_back({path, read_map_part(path)});
+  std::ranges::stable_sort(parts, {}, [](const GivenPart& given) { return given.part.part; });
+  return parts;
+}
+
+void refuse_difference(const GivenPart& given, std::string_view what, std::string_view value, const GivenPart& first,
+                       std::string_view value_of_first) {
+  if (value == value_of_first) return;
+  refuse_file(given.path.string(),
+              fmt::format("{} is {}, but {} in {}", what, value.empty() ? "nothing" : value,
+                          value_of_first.empty() ? "nothing" : value_of_first, first.path.string()));
+}
+
+std::string text_of(const SubjectFile& file) {
+  return fmt::format("{} (SHA-256 {})", quotation(file.name), file.sha256);
+}
+
+/// By its bytes: a file may have been called otherwise.
+void refuse_other_subject(const GivenPart& given, std::string_view what, const SubjectFile& subject,
+                          const GivenPart& first, const SubjectFile& of_first) {
+  if (subject.sha256 == of_first.sha256) return;
+  refuse_difference(given, what, text_of(subject), first, text_of(of_first));
+}
+
+std::string setting(const MapPart& part, std::string_view name) {
+  const auto found = std::ranges::find(part.settings, name, &PartSetting::name);
+  return found == part.settings.end() ? std::string() : found->value;
+}
+
+void refuse_other_settings(const GivenPart& given, const GivenPart& first) {
+  std::set<std::string> names;
+  for (const GivenPart* const of : {&first, &given}) {
+    for (const PartSetting& setting : of->part.settings) names.insert(setting.name);
+  }
+  for (const std::string& name : names) {
+    refuse_difference(given, name, setting(given.part, name), first, setting(first.part, name));
+  }
+}
+
+void refuse_other_work(const GivenPart& given, const GivenPart& first, const MergeOptions& options) {
+  refuse_difference(given, "the version of verisq", given.part.version, first, first.part.version);
+  refuse_difference(given, "the number of models", std::to_string(given.part.models.size()), first,
+                    std::to_string(first.part.models.size()));
+  for (std::size_t i = 0; i < given.part.models.size(); ++i) {
+    refuse_other_subject(given, "the model", given.part.models[i], first, first.part.models[i]);
+  }
+  refuse_other_subject(given, "the input", given.part.input, first, first.part.input);
+  const auto elements = [](const GivenPart& of) { return std::to_string(static_cast<int>(of.part.elements)); };
+  refuse_difference(given, "what rows are of", elements(given), first, elements(first));
+  refuse_other_settings(given, first);
+  refuse_difference(given, "the number of rows in all", std::to_string(given.part.rows_in_all), first,
+                    std::to_string(first.part.rows_in_all));
+  refuse_difference(given, "the number of parts", std::to_string(given.part.parts), first,
+                    std::to_string(first.part.parts));
+  // What has no rows has none of a device.
+  if (options.mixed_devices || given.part.rows.count == 0 || first.part.rows.count == 0) return;
+  refuse_difference(given, "the device", given.part.summary.device, first, first.part.summary.device);
+}
+
+/// Precondition: sorted.
+void refuse_gaps_and_overlaps(const std::vector<GivenPart>& parts) {
+  const std::uint64_t count = parts.front().part.parts;
+  std::uint64_t next = 1;
+  const GivenPart* before = nullptr;
+  for (const GivenPart& given : parts) {
+    if (given.part.part < next) {
+      refuse_file(given.path.string(),
+                  fmt::format("is part {} of {}, as {} is", given.part.part, count, before->path.string()));
+    }
+    if (given.part.part > next) break;
+    before = &given;
+    ++next;
+  }
+  if (next <= count) throw Error(ErrorKind::input, fmt::format("part {} of {} is missing", next, count));
+}
+
+/// What stands before the first row, and how its rows follow: a class for each format.
+class PartForm {
+ public:
+  PartForm() = default;
+  PartForm(const PartForm&) = delete;
+  PartForm& operator=(const PartForm&) = delete;
+  virtual ~PartForm() = default;
+
+  /// Takes it from the front of `file`; refuses what is no such part, or another than those before.
+  virtual std::string take_header(InputFile& file, const MapPart& part) = 0;
+  /// That of the whole.
+  [[nodiscard]] virtual std::string header(std::uint64_t rows) const = 0;
+  /// Of the next bytes of the part.
+  virtual void count(std::string_view bytes) = 0;
+  /// Refuses another number of rows than the part says; forgets them.
+  virtual void check_rows(const InputFile& file, const MapPart& part) = 0;
+};
+
+class CsvForm final : public PartForm {
+ public:
+  std::string take_header(InputFile& file, const MapPart& /*part*/) override {
+    const std::string_view beginning = file.peek(longest_header);
+    const std::size_t end = beginning.find('\n');
+    if (end == std::string_view::npos) file.fail_whole("has no header");
+    std::string line(file.take(end + 1, "the header"));
+    if (header_.empty()) header_ = line;
+    if (line != header_) file.fail_whole(fmt::format("has another header than the parts before: {}", in_quotes(line)));
+    return line;
+  }
+  [[nodiscard]] std::string header(std::uint64_t /*rows*/) const override { return header_; }
+  void count(std::string_view bytes) override {
+    lines_ += static_cast<std::uint64_t>(std::ranges::count(bytes, '\n'));
+    if (!bytes.empty()) ends_line_ = bytes.back() == '\n';
+  }
+  void check_rows(const InputFile& file, const MapPart& part) override {
+    const std::uint64_t lines = std::exchange(lines_, 0);
+    if (lines == part.rows.count && std::exchange(ends_line_, true)) return;
+    file.fail_whole(fmt::format("has {} rows, and should have {}", lines, part.rows.count));
+  }
+
+ private:
+  static constexpr std::size_t longest_header = 4096;
+  std::string header_;
+  std::uint64_t lines_ = 0;
+  bool ends_line_ = true;
+};
+
+class NpyForm final : public PartForm {
+ public:
+  std::string take_header(InputFile& file, const MapPart& part) override {
+    constexpr std::size_t longest_header = 8192;
+    const std::string_view beginning = file.peek(longest_header);
+    const std::size_t start = beginning.find(before_descr);
+    const std::size_t end = beginning.find(after_descr);
+    if (start == std::string_view::npos || end == std::string_view::npos || end < start) {
+      file.fail_whole("has no header of an array of fields");
+    }
+    const std::string descr(beginning.substr(start + before_descr.size(), end - start - before_descr.size()));
+    if (descr_.empty()) descr_ = descr;
+    if (descr != descr_) file.fail_whole(fmt::format("has other fields than the parts before: {}", in_quotes(descr)));
+    std::string expected = npy_header(descr_, part.rows.count);
+    if (!beginning.starts_with(expected)) {
+      file.fail_whole(fmt::format("is no array of {} rows, which it should have", part.rows.count));
+    }
+    return std::string(file.take(expected.size(), "the header"));
+  }
+  [[nodiscard]] std::string header(std::uint64_t rows) const override { return npy_header(descr_, rows); }
+  void count(std::string_view bytes) override { bytes_ += bytes.size(); }
+  void check_rows(const InputFile& file, const MapPart& part) override {
+    const std::uint64_t bytes = std::exchange(bytes_, 0);
+    if (part.rows.count > 0 && row_bytes_ == 0) row_bytes_ = bytes / part.rows.count;
+    if (bytes == row_bytes_ * part.rows.count) return;
+    file.fail_whole(fmt::format("its rows have {} bytes, and should have {}", bytes, row_bytes_ * part.rows.count));
+  }
+
+ private:
+  static constexpr std::string_view before_descr = "'descr': ";
+  static constexpr std::string_view after_descr = ", 'fortran_order'";
+  std::string descr_;
+  std::uint64_t bytes_ = 0;
+  std::uint64_t row_bytes_ = 0;
+};
+
+std::unique_ptr<PartForm> form_of(const GivenPart& given) {
+  const std::string name = setting(given.part, "format");
+  if (name == ".csv") return std::make_unique<CsvForm>();
+  if (name == ".npy") return std::make_unique<NpyForm>();
+  refuse_file(given.path.string(), fmt::format("format is {}: parts are .csv, .npy or .vtp", in_quotes(name)));
+}
+
+void refuse_other_bytes(const GivenPart& given, std::string_view digest) {
+  if (digest == given.part.map.sha256) return;
+  refuse_file(given.path.string(),
+              fmt::format("is not the file that was written: its SHA-256 is {}, and {} says {}", digest,
+                          part_file_of(given.path).filename().string(), given.part.map.sha256));
+}
+
+/// The parts stay where they are.
+void name_drawn_parts(const std::vector<GivenPart>& parts, const std::filesystem::path& output) {
+  if (lower_case(output.extension().string()) != ".pvtp") {
+    refuse_file(output.string(), "the whole of .vtp parts is a .pvtp, which names them");
+  }
+  std::vector<std::string> sources;
+  for (const GivenPart& given : parts) {
+    refuse_other_bytes(given, digest_of_file(given.path).sha256);
+    sources.push_back(std::filesystem::proximate(given.path, std::filesystem::absolute(output).parent_path()).string());
+  }
+  OutputFile file(output);
+  file.write(pvtp_document(sources, setting(parts.front().part, "closest_points") == "yes"));
+  file.finish();
+}
+
+/// A damaged part is found out before the whole has a name.
+void copy_rows(const GivenPart& given, PartForm& form, OutputFile& output, bool first, std::uint64_t rows_in_all) {
+  constexpr std::size_t block = std::size_t{1} << 16U;
+  InputFile file(given.path);
+  Sha256 hash;
+  const std::string header = form.take_header(file, given.part);
+  hash.add(std::as_bytes(std::span(header)));
+  if (first) output.write(form.header(rows_in_all));
+  for (;;) {
+    const std::string_view bytes = file.peek(block);
+    if (bytes.empty()) break;
+    hash.add(std::as_bytes(std::span(bytes)));
+    form.count(bytes);
+    output.write(bytes);
+    (void)file.take(bytes.size(), "the rows");
+  }
+  form.check_rows(file, given.part);
+  refuse_other_bytes(given, hash.digest());
+}
+
+void copy_parts(const std::vector<GivenPart>& parts, const std::filesystem::path& output) {
+  const std::unique_ptr<PartForm> form = form_of(parts.front());
+  if (lower_case(output.extension().string()) == ".pvtp") refuse_file(output.string(), "is of .vtp parts alone");
+  OutputFile file(output);
+  for (const GivenPart& given : parts) copy_rows(given, *form, file, &given == &parts.front(), given.part.rows_in_all);
+  file.finish();
+}
+
+void add_to(MapPart& whole, const MapPart& part) {
+  MapSummary& sum = whole.summary;
+  const MapSummary& more = part.summary;
+  sum.points += more.points;
+  sum.device_verified += more.device_verified;
+  sum.host_verified += more.host_verified;
+  sum.wide += more.wide;
+  sum.wide_inside += more.wide_inside;
+  sum.minimum_lo = std::min(sum.minimum_lo, more.minimum_lo);
+  sum.minimum_hi = std::min(sum.minimum_hi, more.minimum_hi);
+  sum.largest_width = std::max(sum.largest_width, more.largest_width);
+  sum.device_seconds += more.device_seconds;
+  sum.host_seconds += more.host_seconds;
+  if (!part.closest) return;
+  ClosestPointSummary closest = whole.closest.value_or(ClosestPointSummary{});
+  closest.points += part.closest->points;
+  closest.unique += part.closest->unique;
+  closest.widest_point = std::max(closest.widest_point, part.closest->widest_point);
+  closest.widest_normal = std::max(closest.widest_normal, part.closest->widest_normal);
+  whole.closest = closest;
+}
+
+MergedMap summed_up(const std::vector<GivenPart>& parts) {
+  MergedMap merged{parts.front().part, {}};
+  MapPart& whole = merged.whole;
+  whole.part = whole.parts = 1;
+  whole.rows = {0, whole.rows_in_all};
+  whole.summary = {};
+  whole.summary.minimum_lo = whole.summary.minimum_hi = infinity;
+  whole.closest.reset();
+  for (const GivenPart& given : parts) {
+    add_to(whole, given.part);
+    const std::string& device = given.part.summary.device;
+    if (given.part.rows.count > 0 && std::ranges::find(merged.devices, device) == merged.devices.end()) {
+      merged.devices.push_back(device);
+    }
+  }
+  whole.summary.device = merged.devices.empty() ? std::string() : fmt::format("{}", fmt::join(merged.devices, ", "));
+  return merged;
+}
+
+void refuse_to_replace_a_part(std::span<const std::filesystem::path> parts, const std::filesystem::path& output) {
+  for (const std::filesystem::path& part : parts) {
+    std::error_code missing;  // what does not exist is not replaced
+    if (std::filesystem::equivalent(part, output, missing)) refuse_file(output.string(), "is a part itself");
+  }
+}
+
+}  // namespace
+
+MergedMap merge_maps(std::span<const std::filesystem::path> paths, const std::filesystem::path& output,
+                     const MergeOptions& options) {
+  refuse_to_replace_a_part(paths, output);
+  const std::vector<GivenPart> parts = read_parts(paths);
+  const auto* with_rows = &parts.front();
+  for (const GivenPart& given : parts) {
+    if (with_rows->part.rows.count == 0) with_rows = &given;
+  }
+  for (const GivenPart& given : parts) refuse_other_work(given, *with_rows, options);
+  refuse_gaps_and_overlaps(parts);
+  if (setting(parts.front().part, "format") == ".vtp") {
+    name_drawn_parts(parts, output);
+  } else {
+    copy_parts(parts, output);
+  }
+  MergedMap merged = summed_up(parts);
+  merged.whole.map = {output.filename().string(), std::string()};
+  return merged;
 }
 
 }  // namespace verisq

@@ -1,21 +1,35 @@
-/// Meshes as PLY, OFF, OBJ and STL.
-#include "host/files/mesh_writer.hpp"
-
+/// One writer for each mesh format.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
+#include <verisq/mesh.hpp>
 
-#include "host/files/triangle_area.hpp"
+#include "host/files/output_file.hpp"
+#include "host/files/polygon_triangles.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {
+
+/// Preconditions, of all: finite coordinates, indices in range.
+void write_ply(OutputFile& file, const Mesh& mesh);
+void write_off(OutputFile& file, const Mesh& mesh);
+void write_obj(OutputFile& file, const Mesh& mesh);
+
+/// Precondition: each coordinate is a binary32 number.
+void write_stl(OutputFile& file, const Mesh& mesh);
+
 namespace {
+
+constexpr std::string_view once_rounded = " once rounded to STL's binary32; write a .ply";
 
 using Writer = void (*)(OutputFile&, const Mesh&);
 
@@ -54,6 +68,20 @@ void check(const std::filesystem::path& path, const Mesh& mesh, std::string_view
     if (!has_zero_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) continue;
     throw Error(ErrorKind::input, fmt::format("{}: triangle {} has zero area{}", path.string(), k + 1, rounding));
   }
+}
+
+/// Refuses what rounding makes of distinct vertices one point: readers of STL would join the surface there.
+void check_distinct(const std::filesystem::path& path, const Mesh& mesh, const Mesh& rounded) {
+  std::vector<std::size_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t k) { return rounded.vertices[k]; });
+  const auto joined = std::ranges::adjacent_find(order, [&](std::size_t i, std::size_t j) {
+    return rounded.vertices[i] == rounded.vertices[j] && mesh.vertices[i] != mesh.vertices[j];
+  });
+  if (joined == order.end()) return;
+  const auto [low, high] = std::minmax(joined[0], joined[1]);
+  throw Error(ErrorKind::input,
+              fmt::format("{}: vertices {} and {} are one point{}", path.string(), low, high, once_rounded));
 }
 
 /// Of unit length; zero where rounding leaves no direction. Readers take it from the corners anyway.
@@ -116,7 +144,8 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
   const Writer write = writer_for(path);
   const bool rounds = write == write_stl;
   const Mesh& written = rounds ? rounded_to_binary32(mesh) : mesh;
-  check(path, written, rounds ? " once rounded to STL's binary32; write a .ply" : "");
+  check(path, written, rounds ? once_rounded : "");
+  if (rounds) check_distinct(path, mesh, written);
   OutputFile file(path);
   write(file, written);
   file.finish();

@@ -1,12 +1,17 @@
-/// Writes `verisq-model/1`: numbers with as many digits as their binary64 needs, one primitive a paragraph.
+/// Models to files, and landmarks of femurs from and to them.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
-#include <verisq/model_file.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 
+#include "host/files/input_file.hpp"
+#include "host/files/json_document.hpp"
+#include "host/files/model_file.hpp"
 #include "host/files/output_file.hpp"
+#include "verify/solids/model.hpp"
 
 namespace verisq {
 namespace {
@@ -86,9 +91,53 @@ void write_model(const std::filesystem::path& path, const Model& model) {
 }
 
 void write_model(const std::filesystem::path& path, const Model& model, const FemurLandmarks& landmarks) {
+  verify::require_valid(model);
   OutputFile file(path);
   file.write(text(model, landmarks));
   file.finish();
+}
+
+namespace {
+
+constexpr std::string_view format_name = "verisq-landmarks/1";
+
+}  // namespace
+
+LandmarkFile parse_landmarks(std::string_view json, std::string_view name) {
+  const nlohmann::json document = parse_json(json, name);
+  const JsonValue root(document, name);
+  if (!document.is_object()) root.fail("must be an object");
+  if (const JsonValue format = root.at("format"); format.text() != format_name)
+    format.fail(fmt::format("must be \"{}\"", format_name));
+  root.check_keys({"format", "units", "side", "head_radius", "landmarks"});
+  if (const auto units = root.find("units"); units && units->text() != "mm") units->fail("must be \"mm\"");
+  LandmarkFile file{.landmarks = read_landmark_points(root.at("landmarks")), .side = read_side(root)};
+  if (const auto radius = root.find("head_radius")) {
+    file.landmarks.head_radius = radius->number();
+    if (!(*file.landmarks.head_radius > 0.0)) radius->fail("must be positive");
+  }
+  return file;
+}
+
+LandmarkFile read_landmarks(const std::filesystem::path& path) {
+  constexpr std::size_t largest = std::size_t{1} << 20;
+  InputFile file(path);
+  const std::string_view text = file.peek_text(largest + 1);
+  if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: no landmarks", largest));
+  return parse_landmarks(text, path.string());
+}
+
+void write_landmarks(const std::filesystem::path& path, const LandmarkFile& file) {
+  nlohmann::ordered_json document{{"format", format_name}, {"units", "mm"}};
+  if (file.side) document["side"] = *file.side == Side::left ? "left" : "right";
+  if (file.landmarks.head_radius) document["head_radius"] = *file.landmarks.head_radius;
+  document["landmarks"] = nlohmann::ordered_json::object();
+  for (const auto& [name, point] : named_landmarks) {
+    if (const std::optional<Point>& at = file.landmarks.*point) document["landmarks"][name] = *at;
+  }
+  OutputFile out(path);
+  out.write(document.dump(2) + "\n");
+  out.finish();
 }
 
 }  // namespace verisq

@@ -9,7 +9,7 @@
 #include <set>
 #include <system_error>
 
-#include "host/files/byte_order.hpp"
+#include "host/files/input_file.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {

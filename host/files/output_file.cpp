@@ -12,7 +12,7 @@
 #include <utility>
 #include <verisq/error.hpp>
 
-#include "host/files/through_links.hpp"
+#include "host/files/input_file.hpp"
 
 namespace verisq {
 namespace {

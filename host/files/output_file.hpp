@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/files/byte_order.hpp"
+#include "host/files/input_file.hpp"
 
 namespace verisq {
 

@@ -1,8 +1,8 @@
 /// Digits by Dragonbox as {fmt} has it, with its table of powers whole: host/CMakeLists.txt asks for that.
-#include "host/files/shortest_digits.hpp"
-
 #include <fmt/compile.h>
 #include <fmt/format.h>
+
+#include "host/files/map_file.hpp"
 
 namespace verisq {
 

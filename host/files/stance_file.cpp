@@ -3,15 +3,188 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <set>
-#include <verisq/stance_file.hpp>
+#include <string>
+#include <vector>
+#include <verisq/stance.hpp>
 
 #include "host/files/input_file.hpp"
-#include "host/files/stance_quantities.hpp"
 #include "host/files/xml_element.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
+
+/// Reads quantities in the order of the file. The first that names a parameter defines it; later ones that give its
+/// name alone share it.
+class Quantities {
+ public:
+  /// One of  value="V";  lower="L" upper="U" with an optional nominal="N", else the midpoint;  nominal="N"
+  /// deviation="D";  each with an optional parameter="NAME", which unit="..." and description="..." may explain, and
+  /// which a deviation must have. Or parameter="NAME" alone. Fails where `allowed` refuses an end of the range, with
+  /// `what` it must be.
+  [[nodiscard]] Quantity read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what);
+  /// For any finite number.
+  [[nodiscard]] Quantity read(const XmlElement& element);
+
+  /// Components x, y, z: each an attribute, which is exact, or a child that is a quantity.
+  [[nodiscard]] QuantityVector read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
+                                           const char* what);
+  [[nodiscard]] QuantityVector read_vector(const XmlElement& element);
+
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return parameters_; }
+
+ private:
+  [[nodiscard]] std::optional<std::uint32_t> index_of(std::string_view name) const;
+  [[nodiscard]] Quantity known(const XmlElement& element) const;
+  [[nodiscard]] Quantity define(const XmlElement& element, Quantity quantity);
+
+  std::vector<Parameter> parameters_;
+};
+
+namespace {
+
+constexpr std::array axes{"x", "y", "z"};
+
+bool any_number(double /*number*/) {
+  return true;
+}
+
+/// Names stand in lists on the command line, where "all" and "none" mean something else.
+void check_name(const XmlElement& element, std::string_view name) {
+  const auto is_letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
+  const auto is_allowed = [&](char c) { return is_letter(c) || ('0' <= c && c <= '9') || c == '_'; };
+  if (!is_letter(name[0]) || !std::ranges::all_of(name, is_allowed)) {
+    element.fail("parameter", "must be letters, digits and _, a letter first");
+  }
+  if (name == "all" || name == "none") element.fail("parameter", "is a word of the command line");
+}
+
+Quantity exact(double value) {
+  return {value, {value, value}, std::nullopt};
+}
+
+/// lower and upper; the midpoints of ranges are the paper's nominal values.
+Quantity between_ends(const XmlElement& element) {
+  if (element.has("deviation")) element.fail("deviation", "give lower and upper, or nominal and deviation");
+  const Enclosure range{element.number("lower"), element.number("upper")};
+  if (range.lo > range.hi) {
+    element.fail(fmt::format("lower = {} exceeds upper = {}", element.text("lower"), element.text("upper")));
+  }
+  if (!element.has("nominal")) return {std::midpoint(range.lo, range.hi), range, std::nullopt};
+  const double nominal = element.number("nominal");
+  if (!range.contains(nominal)) element.fail("nominal", "is not between lower and upper");
+  return {nominal, range, std::nullopt};
+}
+
+Quantity around_nominal(const XmlElement& element) {
+  using verify::Direction;
+  const double nominal = element.number("nominal");
+  const double deviation = element.number("deviation");
+  if (deviation < 0.0) element.fail("deviation", "must not be negative");
+  // Rounded outward: the range contains nominal +- deviation.
+  const Enclosure range{verify::subtract(nominal, deviation, Direction::down),
+                        verify::add(nominal, deviation, Direction::up)};
+  if (!std::isfinite(range.width())) element.fail("deviation", "the range is beyond binary64");
+  return {nominal, range, std::nullopt};
+}
+
+Quantity numbers_of(const XmlElement& element) {
+  if (element.has("value")) {
+    for (const char* other : {"nominal", "deviation", "lower", "upper"}) {
+      if (element.has(other)) element.fail(other, "give value alone, or a range");
+    }
+    return exact(element.number("value"));
+  }
+  if (element.has("lower") || element.has("upper")) return between_ends(element);
+  if (element.has("nominal") || element.has("deviation")) return around_nominal(element);
+  element.fail("no number: give value, lower and upper, or nominal and deviation");
+}
+
+bool is_name_alone(const XmlElement& element) {
+  return element.has("parameter") && std::ranges::none_of(std::array{"value", "nominal", "deviation", "lower", "upper"},
+                                                          [&](const char* word) { return element.has(word); });
+}
+
+std::string text_if_any(const XmlElement& element, const char* attribute) {
+  return element.has(attribute) ? element.text(attribute) : "";
+}
+
+}  // namespace
+
+Quantity Quantities::read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what) {
+  element.check_attributes({"parameter", "unit", "description", "value", "nominal", "deviation", "lower", "upper"});
+  element.check_children({});
+  const Quantity quantity = is_name_alone(element) ? known(element) : define(element, numbers_of(element));
+  for (const double end : {quantity.range.lo, quantity.range.hi}) {
+    if (!allowed(end)) element.fail(fmt::format("{} {}", end, what));
+  }
+  return quantity;
+}
+
+Quantity Quantities::read(const XmlElement& element) {
+  return read(element, any_number, "");
+}
+
+QuantityVector Quantities::read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
+                                       const char* what) {
+  element.check_attributes({"x", "y", "z"});
+  element.check_children({"x", "y", "z"});
+  QuantityVector vector;
+  for (std::size_t k = 0; k < vector.size(); ++k) {
+    const std::optional<XmlElement> child = element.find(axes[k]);
+    if (child && element.has(axes[k])) child->fail("given as an attribute, too");
+    if (child) {
+      vector[k] = read(*child, allowed, what);
+      continue;
+    }
+    if (!element.has(axes[k])) element.fail(fmt::format("{} is missing: give an attribute or an element", axes[k]));
+    vector[k] = exact(element.number(axes[k]));
+    if (!allowed(vector[k].nominal)) element.fail(axes[k], what);
+  }
+  return vector;
+}
+
+QuantityVector Quantities::read_vector(const XmlElement& element) {
+  return read_vector(element, any_number, "");
+}
+
+std::optional<std::uint32_t> Quantities::index_of(std::string_view name) const {
+  const auto found = std::ranges::find(parameters_, name, &Parameter::name);
+  if (found == parameters_.end()) return std::nullopt;
+  return static_cast<std::uint32_t>(found - parameters_.begin());
+}
+
+Quantity Quantities::known(const XmlElement& element) const {
+  const std::optional<std::uint32_t> index = index_of(element.text("parameter"));
+  if (!index) element.fail("parameter", "has no numbers here, nor before");
+  for (const char* word : {"unit", "description"}) {
+    if (element.has(word)) element.fail(word, "belongs where the parameter has its numbers");
+  }
+  const Parameter& parameter = parameters_[*index];
+  return {parameter.nominal, parameter.range, index};
+}
+
+Quantity Quantities::define(const XmlElement& element, Quantity quantity) {
+  if (!element.has("parameter")) {
+    for (const char* word : {"unit", "description"}) {
+      if (element.has(word)) element.fail(word, "explains a parameter: give its name, too");
+    }
+    // No analysis would look at the range.
+    if (quantity.range.lo != quantity.range.hi) element.fail("a range needs the name of a parameter");
+    return quantity;
+  }
+  const std::string name = element.text("parameter");
+  check_name(element, name);
+  if (index_of(name)) element.fail("parameter", "has its numbers before: give the name alone");
+  quantity.parameter = static_cast<std::uint32_t>(parameters_.size());
+  parameters_.push_back({name, element.has("unit") ? element.name("unit") : "", text_if_any(element, "description"),
+                         quantity.nominal, quantity.range});
+  return quantity;
+}
+
 namespace {
 
 constexpr const char* must_be_positive = "must be positive";
@@ -85,7 +258,7 @@ class ModelReader {
     element.check_attributes({"name", "parent"});
     element.check_children({"offset", "translation", "rotation", "mass", "centre_of_mass", "inertia"});
     Body body;
-    body.name = element.text("name");
+    body.name = element.name("name");
     body.parent = read_parent(element);
     const std::optional<XmlElement> offset = body.parent ? element.child("offset") : element.find("offset");
     if (offset) body.offset = quantities_.read_vector(*offset);
@@ -118,7 +291,7 @@ class ModelReader {
   void read_joint(const XmlElement& element, std::uint32_t body, std::vector<Joint>& joints) {
     element.check_attributes({"name", "axis", "position", "velocity"});
     element.check_children({"pid"});
-    const std::string name = element.text("name");
+    const std::string name = element.name("name");
     if (std::ranges::find(joints, name, &Joint::name) != joints.end()) {
       element.fail("name", "another joint of this body has this name");
     }
@@ -144,7 +317,7 @@ class ModelReader {
     element.check_children({"stiffness", "impact_velocity", "centre", "axis", "radius", "normal_restitution",
                             "tangential_restitution", "static_friction", "dynamic_friction"});
     ContactCylinder cylinder{};
-    cylinder.name = element.text("name");
+    cylinder.name = element.name("name");
     if (!cylinders_.insert(cylinder.name).second) element.fail("name", "another cylinder has this name");
     cylinder.body = known_body(element, "body");
     cylinder.half_length = positive(element, "half_length");
@@ -222,7 +395,7 @@ Model parse_model(std::string_view xml, std::string_view name) {
 Model read_model(const std::filesystem::path& path) {
   constexpr std::size_t largest = std::size_t{1} << 24;
   InputFile file(path);
-  const std::string_view text = file.peek(largest + 1);
+  const std::string_view text = file.peek_text(largest + 1);
   if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: not a stance model", largest));
   const std::string name = path.string();
   return parse_model(text, name);

@@ -5,21 +5,326 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <pugixml.hpp>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
+#include <verisq/map_file.hpp>
+#include <verisq/mesh.hpp>
 
-#include "host/files/byte_order.hpp"
-#include "host/files/certificate_columns.hpp"
-#include "host/files/cover_digits.hpp"
 #include "host/files/input_file.hpp"
-#include "host/files/map_picture.hpp"
-#include "host/files/map_rows.hpp"
-#include "host/files/vtp_document.hpp"
-#include "host/files/vtp_layout.hpp"
+#include "host/files/map_layout.hpp"
+#include "host/files/map_reader.hpp"
+#include "host/files/words.hpp"
 
 namespace verisq {
+
+// The XML part of a `.vtp` map: which arrays it declares and where their bytes lie.
+
+/// An array in the appended part, as a DataArray element states it: nothing is known yet of the bytes it speaks of.
+struct DeclaredArray {
+  std::string_view name;
+  std::uint64_t tuples;
+  std::uint64_t offset;  ///< from the first byte of the appended part
+};
+
+/// What the writer writes ("VTK File Formats", XML): PolyData of one piece with appended raw arrays, little-endian,
+/// version 1.0 with UInt64 headers. All members throw Error(input) naming the byte of the element and the value.
+class VtpDocument {
+ public:
+  /// Reads `file`, which must outlive this, as far as the '_' before the appended part.
+  explicit VtpDocument(InputFile& file);
+
+  /// The elements that have an array of that name: a tuple for each point or for each triangle. Nothing when neither
+  /// has; refused when both have.
+  [[nodiscard]] std::optional<MapElements> elements_with(std::string_view name) const;
+
+  // The one array of that name, which must have the type and number of components. `name` must outlive the result.
+  [[nodiscard]] DeclaredArray element_array(MapElements elements, std::string_view name, std::string_view type,
+                                            int components) const;
+  [[nodiscard]] DeclaredArray field_array(std::string_view name, std::string_view type, int components) const;
+
+  // Of the geometry: the coordinates of the points; the cells, as many as `layout` says.
+  [[nodiscard]] DeclaredArray points(const VtpLayout& layout) const;
+  /// A tuple for each cell, of its corners.
+  [[nodiscard]] DeclaredArray connectivity(const VtpLayout& layout) const;
+  [[nodiscard]] DeclaredArray offsets(const VtpLayout& layout) const;
+
+  [[nodiscard]] VtpLayout layout(MapElements elements, std::uint64_t further_normals) const;
+
+  /// Refuses an XML part that is not what the writer writes, to the letter: what nobody checks a viewer may show.
+  void expect_only(const VtpLayout& layout) const;
+
+ private:
+  void check_attributes() const;
+  [[nodiscard]] bool has_array(const char* data, std::string_view name) const;
+  [[nodiscard]] std::uint64_t count(MapElements elements) const;
+  [[nodiscard]] pugi::xml_node cells(const VtpLayout& layout) const;
+  [[nodiscard]] pugi::xml_node poly_data() const;
+  [[nodiscard]] pugi::xml_node piece() const;
+  [[nodiscard]] pugi::xml_node only_child(pugi::xml_node parent, const char* name) const;
+  [[nodiscard]] pugi::xml_node only_array(pugi::xml_node parent, std::string_view name, std::string_view type,
+                                          int components) const;
+  void expect(pugi::xml_node element, const char* attribute, std::string_view value) const;
+  [[nodiscard]] std::uint64_t whole_number(pugi::xml_node element, const char* attribute) const;
+  [[noreturn]] void fail(pugi::xml_node element, std::string_view message) const;
+
+  const InputFile& file_;
+  std::string text_;  // with the '_'
+  pugi::xml_document xml_;
+};
+
+// What a map draws, read back, and what it should draw.
+
+/// The geometry of a map and the colours of its rows, as a viewer takes them.
+struct MapPicture {
+  std::vector<Point> points;
+  std::vector<std::array<std::int64_t, 3>> triangles;
+  std::vector<std::int64_t> vertex_cells;  ///< where there are no triangles: the point of each
+  std::vector<std::int64_t> offsets;       ///< behind the last corner of each cell
+  std::vector<double> middles;             ///< `dist_mid`
+
+  /// The first number, bit for bit, that is not as the writer writes it for `mesh`, of a map of `elements` with the
+  /// enclosures [lo, hi]. Precondition: as many `lo`, `hi` and `middles`.
+  [[nodiscard]] std::optional<MapDifference> difference_from(const Mesh& mesh, MapElements elements,
+                                                             std::span<const double> lo,
+                                                             std::span<const double> hi) const;
+};
+
+namespace {
+
+constexpr const char* point_data = "PointData";
+constexpr const char* cell_data = "CellData";
+constexpr std::size_t longest_xml = std::size_t{1} << 20;  // the writer's is a few thousand bytes
+
+/// The file up to the '_' before the appended part, whose raw bytes are not XML.
+std::string take_xml(InputFile& file) {
+  const std::string_view start = file.peek_text(longest_xml).substr(0, longest_xml);
+  const std::size_t appended = start.find("<AppendedData");
+  const std::size_t underscore = appended == std::string_view::npos ? appended : start.find('_', appended);
+  if (underscore == std::string_view::npos) {
+    file.fail_whole(fmt::format("no appended data in the first {} bytes: not a map as .vtp", start.size()));
+  }
+  std::string xml(start.substr(0, underscore + 1));
+  (void)file.take(underscore + 1, "the XML part");
+  return xml;
+}
+
+}  // namespace
+
+VtpDocument::VtpDocument(InputFile& file) : file_(file), text_(take_xml(file)) {
+  const std::string_view xml = std::string_view(text_).substr(0, text_.size() - 1);
+  // Closed as if nothing were appended. Where '_' was another one (in a comment, say), this does not parse.
+  const std::string closed = std::string(xml) + "</AppendedData></VTKFile>";
+  const auto result = xml_.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (!result) {
+    const std::size_t byte = std::min(static_cast<std::size_t>(result.offset), xml.size());
+    file_.fail_whole(fmt::format("byte {}: not XML: {}", byte, result.description()));
+  }
+  check_attributes();
+}
+
+void VtpDocument::check_attributes() const {
+  const pugi::xml_node root = only_child(xml_.root(), "VTKFile");
+  expect(root, "type", "PolyData");
+  expect(root, "version", "1.0");
+  expect(root, "byte_order", "LittleEndian");
+  expect(root, "header_type", "UInt64");
+  expect(root, "compressor", "");
+  expect(only_child(root, "AppendedData"), "encoding", "raw");
+}
+
+std::optional<MapElements> VtpDocument::elements_with(std::string_view name) const {
+  const bool points = has_array(point_data, name);
+  const bool cells = has_array(cell_data, name);
+  if (points && cells) fail(piece(), fmt::format("both points and cells have a DataArray {}", in_quotes(name)));
+  if (points) return MapElements::vertices;
+  return cells ? std::optional(MapElements::triangles) : std::nullopt;
+}
+
+bool VtpDocument::has_array(const char* data, std::string_view name) const {
+  if (!piece().child(data)) return false;
+  const auto arrays = only_child(piece(), data).children("DataArray");
+  return std::any_of(arrays.begin(), arrays.end(),
+                     [&](pugi::xml_node array) { return array.attribute("Name").value() == name; });
+}
+
+DeclaredArray VtpDocument::element_array(MapElements elements, std::string_view name, std::string_view type,
+                                         int components) const {
+  const char* const data = elements == MapElements::vertices ? point_data : cell_data;
+  const pugi::xml_node array = only_array(only_child(piece(), data), name, type, components);
+  return {name, count(elements), whole_number(array, "offset")};
+}
+
+std::uint64_t VtpDocument::count(MapElements elements) const {
+  if (elements == MapElements::vertices) return whole_number(piece(), "NumberOfPoints");
+  // Cell data has a tuple for every cell, of whatever kind: another kind would shift the rows of the triangles.
+  for (const char* other : {"NumberOfVerts", "NumberOfLines", "NumberOfStrips"}) expect(piece(), other, "0");
+  return whole_number(piece(), "NumberOfPolys");
+}
+
+DeclaredArray VtpDocument::field_array(std::string_view name, std::string_view type, int components) const {
+  const pugi::xml_node array = only_array(only_child(poly_data(), "FieldData"), name, type, components);
+  return {name, whole_number(array, "NumberOfTuples"), whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::points(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(only_child(piece(), "Points"), "Points", "Float64", 3);
+  return {"Points", layout.points, whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::connectivity(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(cells(layout), "connectivity", "Int64", 1);
+  return {"connectivity", layout.cells(), whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::offsets(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(cells(layout), "offsets", "Int64", 1);
+  return {"offsets", layout.cells(), whole_number(array, "offset")};
+}
+
+VtpLayout VtpDocument::layout(MapElements elements, std::uint64_t further_normals) const {
+  return {elements, whole_number(piece(), "NumberOfPoints"), whole_number(piece(), "NumberOfPolys"), further_normals};
+}
+
+void VtpDocument::expect_only(const VtpLayout& layout) const {
+  const std::string expected = vtp_declarations(layout);
+  const auto [found, other] = std::ranges::mismatch(text_, expected);
+  if (found == text_.end() && other == expected.end()) return;
+  // From the last blank before: a whole element or attribute.
+  const auto byte = static_cast<std::size_t>(found - text_.begin());
+  const std::size_t start = byte == 0 ? 0 : text_.find_last_of(" \n", byte - 1) + 1;
+  const auto shown = [start](std::string_view text) {
+    const std::string_view rest = text.substr(start);
+    return in_quotes(trimmed(rest.substr(0, rest.find('\n'))));
+  };
+  file_.fail_whole(fmt::format("byte {}: {}: expected {}", byte, shown(text_), shown(expected)));
+}
+
+pugi::xml_node VtpDocument::cells(const VtpLayout& layout) const {
+  return only_child(piece(), layout.has_triangles() ? "Polys" : "Verts");
+}
+
+pugi::xml_node VtpDocument::poly_data() const {
+  return only_child(xml_.child("VTKFile"), "PolyData");
+}
+
+pugi::xml_node VtpDocument::piece() const {
+  return only_child(poly_data(), "Piece");
+}
+
+// A second one is refused: another reader might take that one, and show what was not checked.
+pugi::xml_node VtpDocument::only_child(pugi::xml_node parent, const char* name) const {
+  const pugi::xml_node child = parent.child(name);
+  if (!child) fail(parent, fmt::format("no element {}", name));
+  if (const pugi::xml_node second = child.next_sibling(name)) fail(second, "a second one");
+  return child;
+}
+
+pugi::xml_node VtpDocument::only_array(pugi::xml_node parent, std::string_view name, std::string_view type,
+                                       int components) const {
+  pugi::xml_node found;
+  for (const pugi::xml_node array : parent.children("DataArray")) {
+    if (array.attribute("Name").value() != name) continue;
+    if (!found.empty()) fail(array, fmt::format("Name = {}: a second one", in_quotes(name)));
+    found = array;
+  }
+  if (!found) fail(parent, fmt::format("no DataArray with Name = {}", in_quotes(name)));
+  expect(found, "type", type);
+  expect(found, "NumberOfComponents", std::to_string(components));
+  expect(found, "format", "appended");
+  return found;
+}
+
+void VtpDocument::expect(pugi::xml_node element, const char* attribute, std::string_view value) const {
+  const std::string_view found = element.attribute(attribute).value();  // empty where there is no such attribute
+  if (found == value) return;
+  fail(element, fmt::format("{} = {}: expected {}", attribute, in_quotes(found), in_quotes(value)));
+}
+
+std::uint64_t VtpDocument::whole_number(pugi::xml_node element, const char* attribute) const {
+  const std::string_view text = element.attribute(attribute).value();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && end == text.data() + text.size()) return number;
+  fail(element, fmt::format("{} = {}: not a whole number of 64 bits", attribute, in_quotes(text)));
+}
+
+void VtpDocument::fail(pugi::xml_node element, std::string_view message) const {
+  file_.fail_whole(fmt::format("byte {}: {}: {}", element.offset_debug(), in_quotes(element.name()), message));
+}
+
+namespace {
+
+std::string text(double number) {
+  return fmt::format("{:.17g}", number);  // 17 significant digits give back the same binary64
+}
+
+std::string text(std::int64_t number) {
+  return fmt::format("{}", number);
+}
+
+std::string text(const Point& point) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", point[0], point[1], point[2]);
+}
+
+std::string text(const std::array<std::int64_t, 3>& corners) {
+  return fmt::format("({})", fmt::join(corners, ", "));
+}
+
+std::optional<MapDifference> difference_of_counts(std::string_view name, std::size_t shown, std::size_t expected) {
+  if (shown == expected) return std::nullopt;
+  return MapDifference{std::string(name), std::nullopt, fmt::format("{}", shown), fmt::format("{}", expected)};
+}
+
+/// `expected(k)` is what the k-th should be. Bits, not values: 0 is not -0.
+template <class Item, class Expected>
+std::optional<MapDifference> first_difference(std::string_view name, std::span<const Item> shown,
+                                              const Expected& expected) {
+  using Bits = std::array<std::byte, sizeof(Item)>;
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    const Item item = expected(k);
+    if (std::bit_cast<Bits>(shown[k]) != std::bit_cast<Bits>(item)) {
+      return MapDifference{std::string(name), k, text(shown[k]), text(item)};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<MapDifference> MapPicture::difference_from(const Mesh& mesh, MapElements elements,
+                                                         std::span<const double> lo, std::span<const double> hi) const {
+  const bool has_triangles = elements == MapElements::triangles || !mesh.triangles.empty();
+  const std::int64_t corners = has_triangles ? 3 : 1;
+  if (auto found = difference_of_counts("NumberOfPoints", points.size(), mesh.vertices.size())) return found;
+  if (auto found = difference_of_counts("NumberOfPolys", triangles.size(), mesh.triangles.size())) return found;
+  if (auto found = first_difference<Point>("Points", points, [&](std::size_t k) { return mesh.vertices[k]; })) {
+    return found;
+  }
+  const auto corners_of = [&](std::size_t k) {
+    const auto& [a, b, c] = mesh.triangles[k];
+    return std::array<std::int64_t, 3>{a, b, c};
+  };
+  if (auto found = first_difference<std::array<std::int64_t, 3>>("connectivity", triangles, corners_of)) return found;
+  if (auto found = first_difference<std::int64_t>("connectivity", vertex_cells,
+                                                  [](std::size_t k) { return static_cast<std::int64_t>(k); })) {
+    return found;
+  }
+  if (auto found = first_difference<std::int64_t>(
+          "offsets", offsets, [&](std::size_t k) { return corners * static_cast<std::int64_t>(k + 1); })) {
+    return found;
+  }
+  return first_difference<double>("dist_mid", middles, [&](std::size_t k) { return finite_middle(lo[k], hi[k]); });
+}
+
 namespace {
 
 using Weights = std::array<double, 2>;

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <verisq/error.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {
@@ -59,6 +60,15 @@ std::string XmlElement::text(const char* attribute) const {
   if (!has(attribute)) fail(fmt::format("attribute {} is missing", attribute));
   std::string value = node_.attribute(attribute).value();
   if (trimmed(value).empty()) fail(attribute, "must not be blank");
+  return value;
+}
+
+std::string XmlElement::name(const char* attribute) const {
+  std::string value = text(attribute);
+  if (!is_plain(value)) {
+    fail(attribute, fmt::format("must be letters, digits and signs of one line, at most {}, single blanks between them",
+                                longest_quotation));
+  }
   return value;
 }
 

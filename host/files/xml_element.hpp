@@ -28,6 +28,8 @@ class XmlElement {
   [[nodiscard]] bool has(const char* attribute) const { return !node_.attribute(attribute).empty(); }
   /// The value of an attribute; fails when it is missing or empty.
   [[nodiscard]] std::string text(const char* attribute) const;
+  /// Likewise, and fails unless it is shown as it stands: see `is_plain`.
+  [[nodiscard]] std::string name(const char* attribute) const;
   /// The binary64 number nearest to an attribute's decimal digits; fails when it is missing or not finite.
   [[nodiscard]] double number(const char* attribute) const;
 

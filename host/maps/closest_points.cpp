@@ -1,6 +1,4 @@
 /// Chunks of points, each shared by the processors.
-#include "verisq/closest_points.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +6,10 @@
 #include <verisq/error.hpp>
 
 #include "host/threads/parallel.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
-
-/// So many rows are finished before the end is asked for.
-constexpr std::size_t rows_between_polls = 1024;
 
 void refuse_if_not_finite(const Point& x, std::size_t index) {
   if (std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return;
@@ -69,18 +65,14 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
   if (!options.known.empty() && options.known.size() != points.size()) {
     throw Error(ErrorKind::input, fmt::format("{} known distances of {} points", options.known.size(), points.size()));
   }
-  std::size_t done = 0;
-  const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
-  while (done < points.size() && !interrupted()) {
-    const std::size_t count = std::min(rows_between_polls, points.size() - done);
-    in_parallel(count, [&](std::size_t k) {
-      const Point x = points[done + k];
-      refuse_if_not_finite(x, done + k);
-      rows[done + k] = options.known.empty() ? distance.closest_point(x, options.tolerance, options.interrupted)
-                                             : distance.closest_point(x, options.known[done + k]);
-    });
-    done += count;
-  }
+  const SeenInterruption seen(options.interrupted);
+  const std::function<bool()> interrupted = [&seen] { return seen(); };
+  const std::size_t done = in_parallel_until(seen, points.size(), [&](std::size_t k) {
+    const Point x = points[k];
+    refuse_if_not_finite(x, k);
+    rows[k] = options.known.empty() ? distance.closest_point(x, options.tolerance, interrupted)
+                                    : distance.closest_point(x, options.known[k]);
+  });
   for (std::size_t k = done; k < points.size(); ++k) {
     constexpr Enclosure anything{-infinity, infinity};
     rows[k] = closest_point_within(options.known.empty() ? anything : options.known[k], points[k]);
@@ -95,15 +87,11 @@ ClosestPointSummary closest_points(const PairDistance& distance, std::span<const
   if (rows.size() != poses.size()) {
     throw Error(ErrorKind::input, fmt::format("{} rows for the closest points of {} poses", rows.size(), poses.size()));
   }
-  std::size_t done = 0;
-  while (done < poses.size() && !(interrupted && interrupted())) {
-    const std::size_t count = std::min(rows_between_polls, poses.size() - done);
-    in_parallel(count, [&](std::size_t k) {
-      const Pose& pose = poses[done + k];
-      rows[done + k] = distance.closest_points(distance(pose, interrupted), pose, interrupted).value_or(anywhere());
-    });
-    done += count;
-  }
+  const SeenInterruption seen(interrupted);
+  const std::function<bool()> stop = [&seen] { return seen(); };
+  const std::size_t done = in_parallel_until(seen, poses.size(), [&](std::size_t k) {
+    rows[k] = distance.closest_points(distance(poses[k], stop), poses[k], stop).value_or(anywhere());
+  });
   for (ClosestPoints& row : rows.subspan(done)) row = anywhere();
   ClosestPointSummary summary = summary_of(rows.first(done));
   summary.interrupted = done < poses.size();

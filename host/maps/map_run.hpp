@@ -5,41 +5,83 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "host/batches/batch.hpp"
-#include "host/maps/certified_intersection.hpp"
-#include "host/maps/chunk_pace.hpp"
-#include "host/maps/summary_count.hpp"
+#include "host/device/chunk_pipeline.hpp"
+#include "host/device/device.hpp"
+#include "host/device/device_model.hpp"
+#include "host/maps/certified_rows.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/proof/intersection.hpp"
+#include "verify/proof/verdict.hpp"
+#include "verisq/device.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
 
+// How many queries a map works on at a time.
+
+/// Enough to keep all processors busy; few enough that progress, Ctrl-C and limits are felt soon, whether a proof takes
+/// microseconds or, by a search, milliseconds.
+class ChunkPace {
+ public:
+  /// Begins with a few.
+  ChunkPace() = default;
+  /// Begins with `most`, for who is quick as a rule, and comes back to them.
+  explicit ChunkPace(std::size_t most) : largest_(most), size_(most) {}
+  /// Whole blocks (see rows_per_block) at every time, so that no row depends on how fast others were; begins with
+  /// `size`.
+  [[nodiscard]] static ChunkPace of_blocks(std::size_t size, std::size_t most) {
+    ChunkPace pace(most);
+    pace.size_ = size;
+    pace.smallest_ = rows_per_block;
+    return pace;
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    return smallest_ < rows_per_block ? size_ : std::max(size_ - size_ % rows_per_block, smallest_);
+  }
+
+  /// To be called with the time that each chunk of this size took.
+  void took(double seconds) {
+    if (seconds < shortest_seconds) size_ = std::min(2 * size_, largest_);
+    if (seconds > longest_seconds) size_ = std::max(size_ / 2, smallest_);
+  }
+
+ private:
+  static constexpr double shortest_seconds = 0.1;
+  static constexpr double longest_seconds = 0.4;
+
+  std::size_t largest_ = std::size_t{1} << 16U;
+  std::size_t size_ = 64;
+  std::size_t smallest_ = 16;
+};
+
+// A map of any kind of query: source -> device (or host) -> host for what stays open -> sink.
+
 /// What a map asks of the host about one kind of query:
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
-///     options are out of time it ends early, valid and wide;
+///     options are interrupted (which all threads may ask, see SeenInterruption) or out of time it ends early, valid
+///     and wide;
 ///   coarse(query) -> CertifiedEnclosure without a search, likewise; only called when the options are out of time;
 ///   at_limit(query, found): whether `found` is as tight as the methods get, so that nothing tighter is searched for,
 ///     though it may be wider than the tolerance;
 ///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
 ///   check(query): throws Error(input) for what is not finite;
-///   describe(query): the query in a message;
-///   begin() and interrupted(), of provers whose proofs end when the map is interrupted: called first of all; whether
-///     some did since.
+///   describe(query): the query in a message.
 template <class Query, class Prover>
 class MapRun {
  public:
   /// A device's search, without certificates, for what its proofs leave open inside: made ready when it is first asked
-  /// for. Empty, where the host does that.
-  using Search = std::function<device::Batch<Query>&()>;
+  /// for. Empty, or nothing, where the host does that.
+  using Search = std::function<device::Batch<Query>*()>;
 
   MapRun(const Prover& prover, const MapOptions& options, const Source<Query>& source, const Sink<Query>& sink,
          Search search = {})
@@ -50,8 +92,7 @@ class MapRun {
     std::vector<Query> queries;
     std::vector<Enclosure> found;
     std::vector<Certificate> certificates;
-    if constexpr (requires { prover_.begin(); }) prover_.begin();
-    while (!options_.interrupted() && !proofs_interrupted()) {
+    while (!options_.interrupted()) {
       read_chunk(pace_.size(), queries);
       if (queries.empty()) return summary_;
       found.assign(queries.size(), nothing);
@@ -132,14 +173,16 @@ class MapRun {
     for (std::size_t first = 0; first < queries.size(); first += rows_per_block)
       add_open_of_block(queries, found, first, open);
     if (open.empty()) return;
-    device::Batch<Query>& search = search_();
+    device::Batch<Query>* const ready = search_();
+    if (ready == nullptr) return;
+    device::Batch<Query>& search = *ready;
     search.discard();  // what an earlier run left when it failed
     const double earlier_seconds = search.device_seconds();
     const std::size_t most = std::min(searches_at_a_time, search.capacity());
     std::vector<Query> searched;
     std::vector<Enclosure> narrowed;
     std::vector<Certificate> none;
-    for (std::size_t first = 0; first < open.size() && !out_of_time(); first += most) {
+    for (std::size_t first = 0; first < open.size() && !out_of_time() && !options_.interrupted(); first += most) {
       const auto slice = std::span(open).subspan(first, std::min(most, open.size() - first));
       searched.clear();
       for (const std::size_t i : slice) searched.push_back(queries[i]);
@@ -178,11 +221,11 @@ class MapRun {
 
   [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
 
-  // Proves on the host what `found` leaves wide, and hands the rows on, unless it is interrupted. `certificates` are
+  // Proves on the host what `found` leaves wide, and hands the rows on, up to an interruption. `certificates` are
   // those of `found`; empty unless they were asked for.
   void finish(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
     for (std::size_t first = 0; first < queries.size();) {
-      if (first > 0 && options_.interrupted()) {
+      if (summary_.interrupted || (first > 0 && options_.interrupted())) {
         summary_.interrupted = true;
         return;
       }
@@ -211,7 +254,7 @@ class MapRun {
     const auto start = std::chrono::steady_clock::now();
     if (options_.certificates) drop_unwitnessed(queries, found, certificates);
     const std::vector<std::size_t> open = without_open(queries, found);
-    in_parallel(open.size(), [&](std::size_t n) {
+    const std::size_t done = in_parallel_until(options_.interrupted, open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
       const auto add = [&](const CertifiedEnclosure& proven) {
         CertifiedEnclosure row{found[i], {}};
@@ -231,20 +274,12 @@ class MapRun {
       rows_[i] = {found[i], good(queries[i], found[i]) ? Status::host_verified : Status::wide};
     const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
     if (std::ranges::any_of(open, is_wide) && out_of_time()) summary_.out_of_time = true;
-    rows_.resize(rows_before_interruption());
+    if (done < open.size()) {
+      summary_.interrupted = true;
+      rows_.resize(open[done]);
+    }
     count(summary_, rows_);
     sink_(queries.first(rows_.size()), rows_, certificates.first(std::min(certificates.size(), rows_.size())));
-  }
-
-  [[nodiscard]] bool proofs_interrupted() const {
-    if constexpr (requires { prover_.interrupted(); }) return prover_.interrupted();
-    return false;
-  }
-
-  // All, unless proofs were interrupted: then those before the first that may be one of these.
-  [[nodiscard]] std::size_t rows_before_interruption() const {
-    if (!proofs_interrupted()) return rows_.size();
-    return static_cast<std::size_t>(std::ranges::find(rows_, Status::wide, &MapResult::status) - rows_.begin());
   }
 
   // Upper ends that hold, but not by their certificates.
@@ -266,6 +301,131 @@ class MapRun {
   ChunkPace device_pace_;        // of what the device is given, where there is a time limit
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_ = empty_summary();
+};
+
+// Which device makes a map, or why none does.
+
+/// Without a device the host does all; the notice says why a device was passed over.
+struct ChosenDevice : device::Selection {
+  std::vector<device::Device> further;  ///< that work beside it
+
+  [[nodiscard]] std::string name() const {
+    if (!device) return "host";
+    std::string names = device->name;
+    for (const device::Device& other : further) names += " and " + other.name;
+    return names;
+  }
+};
+
+/// `primitives` are all that the device must be able to hold; `unsuited`, unless it is empty, says why none is to be
+/// used. Throws as device::select_device.
+[[nodiscard]] inline ChosenDevice chosen_device(const MapOptions& options, const Model& primitives,
+                                                const std::string& unsuited) {
+  if (options.device == "host") return {};
+  const auto ended = either(options.interrupted, options.out_of_time);
+  if (ended && ended()) return {};  // to make one ready may take seconds
+  device::Selection selection = device::select_device(options.device, ended);
+  if (!selection.device) return {{std::nullopt, selection.notice}, {}};
+  if (std::string reason = device::why_not_on_devices(primitives); !reason.empty())
+    return {{std::nullopt, std::move(reason)}, {}};
+  if (!unsuited.empty()) return {{std::nullopt, unsuited}, {}};
+  return {std::move(selection), {}};
+}
+
+/// One, or as many as the options name: for maps of points about unions of convex solids. Throws likewise.
+[[nodiscard]] inline ChosenDevice chosen_devices(const MapOptions& options, const Model& primitives) {
+  const std::vector<std::string> requests = device::requests_in(options.device);
+  MapOptions of_one = options;
+  of_one.device = requests.front();
+  ChosenDevice chosen = chosen_device(of_one, primitives, {});
+  if (!chosen.device) return chosen;
+  for (const std::string& request : std::span(requests).subspan(1))
+    chosen.further.push_back(*device::select_device(request).device);
+  return chosen;
+}
+
+// A map of what lies in memory by one that reads from a source and writes to a sink.
+
+/// Delivers `queries`, which must outlive it, from the number `next` on.
+template <class Query>
+[[nodiscard]] Source<Query> source_of(const typename QueriesInMemory<Query>::type& queries, std::size_t next = 0) {
+  return [&queries, next](std::span<Query> chunk) mutable {
+    const std::size_t count = std::min(chunk.size(), queries.size() - next);
+    for (std::size_t i = 0; i < count; ++i) chunk[i] = queries[next + i];
+    next += count;
+    return count;
+  };
+}
+
+/// Fills `columns` from the row `next` on; drops certificates.
+template <class Query>
+[[nodiscard]] Sink<Query> sink_of(const ResultColumns& columns, std::size_t next = 0) {
+  return
+      [columns, next](std::span<const Query>, std::span<const MapResult> rows, std::span<const Certificate>) mutable {
+        for (const MapResult& row : rows) columns.set(next++, row);
+      };
+}
+
+/// `map(source, sink)` of all queries. Precondition: as many rows.
+template <class Query, class Map>
+[[nodiscard]] MapSummary map_copies(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows,
+                                    const Map& map) {
+  return map(source_of<Query>(queries), sink_of<Query>(rows));
+}
+
+// Maps of ordinary models and exact queries: what all others are made of.
+
+/// As Mapper, whose two kinds of maps have names of their own here.
+template <class Query>
+class ExactMap {
+ public:
+  ExactMap() = default;
+  virtual ~ExactMap() = default;
+  ExactMap(const ExactMap&) = delete;
+  ExactMap& operator=(const ExactMap&) = delete;
+
+  virtual MapSummary map(const Source<Query>& source, const Sink<Query>& sink) = 0;
+  virtual MapSummary map_in_memory(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows) {
+    return map_copies<Query>(queries, rows, [this](const auto& source, const auto& sink) { return map(source, sink); });
+  }
+};
+
+/// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.
+[[nodiscard]] std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options);
+[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options);
+[[nodiscard]] std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options);
+
+// A prover and, unless the host does all, a device made ready: a map of one kind of query.
+
+/// `Prover` as MapRun asks for it.
+template <class Query, class Prover>
+class PreparedMap final : public ExactMap<Query> {
+ public:
+  /// Makes a device ready for a kind of work.
+  using MakeBatch = std::function<std::unique_ptr<device::Batch<Query>>(const device::Device&)>;
+
+  /// `primitives` are all that the device must be able to hold; `make_batch` makes the device ready and owns what
+  /// it uses, unless `unsuited` says why no device is to be used (for all that are, `make_batch` may be empty).
+  PreparedMap(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
+              const std::string& unsuited = {})
+      : options_(options),
+        prover_(std::move(prover)),
+        chosen_(chosen_device(options, primitives, unsuited)),
+        batch_(made_ready(chosen_, options.device, either(options.interrupted, options.out_of_time), make_batch)) {}
+
+  MapSummary map(const Source<Query>& source, const Sink<Query>& sink) override {
+    MapRun<Query, Prover> run(prover_, options_, source, sink);
+    MapSummary summary = batch_ ? run.on_device(*batch_) : run.on_host();
+    summary.device = chosen_.name();
+    summary.notice = chosen_.notice;
+    return summary;
+  }
+
+ private:
+  MapOptions options_;
+  Prover prover_;
+  ChosenDevice chosen_;
+  std::unique_ptr<device::Batch<Query>> batch_;  // nothing: the host does all
 };
 
 }  // namespace verisq

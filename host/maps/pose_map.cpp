@@ -1,31 +1,173 @@
-/// What the host proves of poses, and the map that it makes with a device.
+/// Maps of triangles, and of a model in many poses.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "host/batches/device_model.hpp"
-#include "host/batches/pose_batch.hpp"
-#include "host/maps/exact_map.hpp"
-#include "host/maps/pose_text.hpp"
-#include "host/maps/prepared_map.hpp"
-#include "host/maps/solid_pose_map.hpp"
-#include "host/maps/tightest_enclosure.hpp"
-#include "verify/sets/bounded_motion.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/query_batches.hpp"
+#include "host/device/solid_batch.hpp"
+#include "host/device/solid_model.hpp"
+#include "host/maps/certified_rows.hpp"
+#include "host/maps/map_run.hpp"
+#include "verify/numbers/points.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/search/certified_distance.hpp"
+#include "verify/search/octree_cube.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verify/search/solid_pair_cells.hpp"
+#include "verify/search/triangle_pieces.hpp"
+#include "verify/solids/model.hpp"
+#include "verisq/device.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/error.hpp"
-#include "verisq/model_distance.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
 
 namespace verisq {
+
+// Poses as maps of them ask for and name them.
+
+// Poses as maps of them ask for and name them.
+
+[[nodiscard]] inline std::string text_of(const Pose& pose) {
+  const auto& [t, q] = pose;
+  return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+}
+
+/// Throws Error(input) unless all numbers are finite and the quaternion is not zero.
+inline void require_pose(const Pose& pose) {
+  const auto finite = [](double c) { return std::isfinite(c); };
+  if (!std::ranges::all_of(pose.translation, finite) || !std::ranges::all_of(pose.quaternion, finite))
+    throw Error(ErrorKind::input, fmt::format("pose {} is not finite", text_of(pose)));
+  if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; }))
+    throw Error(ErrorKind::input, fmt::format("pose {} has a zero quaternion", text_of(pose)));
+}
+
+// The map of poses where a model has a bend or set operations.
+
+/// As pose_map, by ModelSearch, pose by pose on all processors: no kernel knows such pairs. Throws Error(input)
+/// likewise, and for a model that is proven to have no point.
+[[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
+
+// What messages of maps say about triangles.
+
+// What messages of maps say about triangles.
+
+/// Its corners.
+[[nodiscard]] inline std::string text_of(const Triangle& triangle) {
+  std::string text;
+  for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
+  return text;
+}
+
+/// Throws Error(input) for a triangle that is not finite.
+inline void require_finite(const Triangle& triangle) {
+  const auto finite = [](double c) { return std::isfinite(c); };
+  if (!std::ranges::all_of(triangle, [&](const Point& corner) { return std::ranges::all_of(corner, finite); }))
+    throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", text_of(triangle)));
+}
+
+// The map of triangles about any model: by signed distances of points of theirs.
+
+/// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
+/// no point, and for options that ask for certificates without covers.
+[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options);
+
+namespace {
+
+/// A point and how far the solid reaches from it, rounded up.
+struct Reach {
+  Point centre;
+  double radius;
+};
+
+Reach reach_of(const Model& model) {
+  using verify::PreciseInterval;
+  using verify::Real;
+  const verify::Box box = verify::bounding_box(model);
+  Reach reach{};
+  verify::PreciseVector half;
+  for (std::size_t i = 0; i < 3; ++i) {
+    reach.centre[i] = 0.5 * box.lower[i] + 0.5 * box.upper[i];
+    const PreciseInterval sides(Real(box.lower[i]), Real(box.upper[i]));
+    half[i] = abs(sides - PreciseInterval(Real(reach.centre[i])));
+  }
+  reach.radius = verify::length<Real>(half).upper().to_double(verify::Direction::up);
+  return reach;
+}
+
+class SolidPoseProver {
+ public:
+  SolidPoseProver(const Model& a, const Model& b, const MapOptions& options)
+      : radius_(std::max(bounding_radius(a), bounding_radius(b))),
+        tolerance_(std::max(options.tolerance, tightest_inside * radius_)),
+        stop_(either(options.interrupted, options.out_of_time)),
+        a_(reach_of(a)),
+        b_(reach_of(b)),
+        search_(a, b) {
+    for (const Model* model : {&a, &b}) refuse_empty(*model, SignedDistance(*model), options.interrupted);
+  }
+
+  void check(const Pose& pose) const { require_pose(pose); }
+  [[nodiscard]] std::string describe(const Pose& pose) const { return text_of(pose); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
+    return verified(found,
+                    std::max(tightest_inside * radius_,
+                             tightest_outside * std::max(verify::largest_coordinate(pose.translation), radius_)));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {
+    return {search_(pose, {.tolerance = tolerance_, .interrupted = stop_}).distance, {}};
+  }
+
+  // Any two points are at most so far apart.
+  [[nodiscard]] CertifiedEnclosure coarse(const Pose& pose) const {
+    using verify::Direction;
+    const double centres = verify::BoundedMotion(pose).distance_up(a_.centre, b_.centre);
+    const double reaches = verify::add(a_.radius, b_.radius, Direction::up);
+    return {{0.0, verify::add(centres, reaches, Direction::up)}, {}};
+  }
+
+  // There are no certificates.
+  [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
+
+ private:
+  double radius_;
+  double tolerance_;
+  std::function<bool()> stop_;
+  Reach a_;
+  Reach b_;
+  ModelSearch search_;
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options) {
+  if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
+  if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
+  MapOptions of_host = options;
+  if (of_host.device == "auto") of_host.device = "host";  // with a device that is named, the notice says why
+  return std::make_unique<PreparedMap<Pose, SolidPoseProver>>(
+      SolidPoseProver(a, b, options), of_host, a, PreparedMap<Pose, SolidPoseProver>::MakeBatch(),
+      "poses of bent solids and set operations are searched on the host");
+}
+
 namespace {
 
 class PoseProver {
  public:
   PoseProver(const Model& a, const Model& b, const MapOptions& options)
-      : out_of_time_(options.out_of_time),
+      : stop_(either(options.interrupted, options.out_of_time)),
         radius_(std::max(bounding_radius(a), bounding_radius(b))),
         centre_a_(a.primitives.front().pose.translation),
         centre_b_(b.primitives.front().pose.translation),
@@ -42,7 +184,7 @@ class PoseProver {
 
   [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {
     const Lent memory(*memories_);
-    return {distance_(pose, *memory, out_of_time_).distance, {}};
+    return {distance_(pose, *memory, stop_).distance, {}};
   }
 
   // The centre of a primitive lies in it.
@@ -87,7 +229,7 @@ class PoseProver {
     std::unique_ptr<PairDistance::Memory> memory_;
   };
 
-  std::function<bool()> out_of_time_;  // empty: no limit
+  std::function<bool()> stop_;
   double radius_;
   Point centre_a_;
   Point centre_b_;
@@ -101,10 +243,135 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
   if (!is_union_of_convex(a) || !is_union_of_convex(b)) return solid_pose_map(a, b, options);
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
-  const auto make_batch = [&](const device::Device& device) { return device::pose_batch(device, a, b); };
+  const auto make_batch = [a, b](const device::Device& device) { return device::pose_batch(device, a, b); };
   const Model both = device::joined(a, b);
   return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, both, make_batch,
                                                          device::why_not_as_triangles_or_pairs(both));
+}
+
+namespace {
+
+/// As tight as searches get, where a tolerance of 0 asks for that.
+double searched_tolerance(const MapOptions& options, double radius) {
+  return std::max(options.tolerance, tightest_inside * radius);
+}
+
+class SolidTriangleProver {
+ public:
+  SolidTriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        tolerance_(searched_tolerance(options, radius_)),
+        stop_(either(options.interrupted, options.out_of_time)),
+        search_(model) {
+    if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
+    const SignedDistance distance(model);
+    refuse_empty(model, distance, options.interrupted);
+    if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);
+  }
+
+  void check(const Triangle& triangle) const { require_finite(triangle); }
+  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, std::max(tightest_inside * radius_, tightest_width(triangle, found, radius_)));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    if (certificates_) return search_.certified(triangle, tolerance_, stop_);
+    return {search_(triangle, tolerance_, stop_), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const {
+    if (certificates_) return {{0.0, infinity}, {}};  // nothing else has one
+    const verify::DividedTriangle divided(triangle);
+    const Enclosure at_corner = (*coarse_)(triangle[0]);
+    const double lower = std::max(0.0, divided.lower_by_ball(triangle, triangle[0], at_corner.lo));
+    return {{lower, divided.upper_by_point(at_corner.hi)}, {}};
+  }
+
+  [[nodiscard]] bool witnessed(const Triangle& /*triangle*/, double /*hi*/, const Certificate& /*none*/) const {
+    return false;
+  }
+
+ private:
+  bool certificates_;
+  double radius_;
+  double tolerance_;
+  std::function<bool()> stop_;
+  TriangleSearch search_;
+  std::optional<verify::CoarseDistance> coarse_;  // where there is a time limit
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
+  const std::string unsuited = options.certificates ? "certificates of bent solids and set operations are the host's"
+                                                    : device::why_not_compiled(model);
+  const auto make_batch = [model, options](const device::Device& device) {
+    const double tolerance = searched_tolerance(options, bounding_radius(model));
+    return device::solid_triangle_batch(device, model, tolerance, either(options.interrupted, options.out_of_time));
+  };
+  return std::make_unique<PreparedMap<Triangle, SolidTriangleProver>>(SolidTriangleProver(model, options), options,
+                                                                      model, make_batch, unsuited);
+}
+
+namespace {
+
+class TriangleProver {
+ public:
+  TriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        distance_(model),
+        late_rows_(std::make_unique<LateRows>(model)),
+        witness_distance_(model) {}
+
+  void check(const Triangle& triangle) const { require_finite(triangle); }
+  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, tightest_width(triangle, found, radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    late_rows_->begin_anew();
+    return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const { return late_rows_->next(triangle); }
+
+  [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
+    if (!certificate.weights) return false;
+    const auto [w1, w2] = *certificate.weights;
+    std::array<long double, 3> q{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const long double corner = triangle[0][i];
+      q[i] = corner + w1 * (triangle[1][i] - corner) + w2 * (triangle[2][i] - corner);
+    }
+    return witness_distance_(q, certificate.normals.front()) <= hi;
+  }
+
+ private:
+  bool certificates_;
+  double radius_;
+  TriangleDistance distance_;
+  std::unique_ptr<LateRows> late_rows_;
+  verify::WitnessEstimate witness_distance_;
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
+  if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
+  if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
+  const auto make_batch = [model, certificates = options.certificates](const device::Device& device) {
+    return device::triangle_batch(device, model, certificates);
+  };
+  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
+      TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
 }
 
 }  // namespace verisq

@@ -1,19 +1,87 @@
-/// One map that all ranks of an MPI job make: blocks by a counter, rows of fixed size into one file, and what is
-/// finished beside it, so that a job that was killed can go on.
+/// What is asked of MPI, with errors as exceptions, and one map that all ranks of an MPI job make.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 #include <verisq/map.hpp>
-#include <verisq/map_part.hpp>
-
-#include "host/mpi/communicator.hpp"
+#include <verisq/map_file.hpp>
 
 namespace verisq::mpi {
+
+// What shared maps and cohorts ask of MPI, with errors as exceptions; mpi.h is included by communicator.cpp alone.
+
+/// MPI from its first call to its last. One of them in a program.
+class Session {
+ public:
+  Session(int& argc, char**& argv);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  [[nodiscard]] int rank() const { return rank_; }
+  [[nodiscard]] int ranks() const { return ranks_; }
+  /// Among the ranks of this machine.
+  [[nodiscard]] int local_rank() const { return local_rank_; }
+
+  void wait_for_all() const;
+  /// The largest of what all ranks give.
+  [[nodiscard]] std::uint64_t largest(std::uint64_t value) const;
+  [[nodiscard]] double sum(double value) const;
+  /// What each rank gives, in their order, at rank 0; nothing at the others. Precondition: less than 2 GiB in all.
+  [[nodiscard]] std::vector<std::string> gathered(const std::string& text) const;
+  /// Of rank 0, to all.
+  void share(std::span<std::byte> bytes) const;
+  /// Ends all ranks: others would wait for this one for ever.
+  [[noreturn]] void abort(int status) const;
+
+ private:
+  int rank_ = 0;
+  int ranks_ = 1;
+  int local_rank_ = 0;
+};
+
+/// Numbers from 0 on, each given to one rank: a counter in the memory of rank 0, which others reach without its help.
+class Counter {
+ public:
+  Counter();
+  ~Counter();
+  Counter(const Counter&) = delete;
+  Counter& operator=(const Counter&) = delete;
+
+  [[nodiscard]] std::uint64_t next();
+
+ private:
+  struct Window;
+  std::unique_ptr<Window> window_;
+};
+
+/// A file that all ranks opened together, where each writes what is its own. Throws Error(failure).
+class SharedFile {
+ public:
+  /// Made where it is not there.
+  explicit SharedFile(const std::filesystem::path& path);
+  ~SharedFile();
+  SharedFile(const SharedFile&) = delete;
+  SharedFile& operator=(const SharedFile&) = delete;
+
+  /// What it returns from outlives this process.
+  void write_at(std::uint64_t position, std::span<const std::byte> bytes);
+  void set_size(std::uint64_t bytes);  ///< to be called by all ranks
+
+ private:
+  struct Handle;
+  std::filesystem::path path_;
+  std::unique_ptr<Handle> handle_;
+};
+
+// One map that all ranks of an MPI job make: blocks by a counter, rows of fixed size into one file, and what is
+// finished beside it, so that a job that was killed can go on.
 
 /// Maps the rows of a range, in its order, and hands them on in pieces.
 using RangeMap = std::function<MapSummary(const RowRange&, const std::function<void(std::span<const MapResult>)>&)>;

@@ -1,21 +1,201 @@
-/// The data of a report as JSON (report/README.md), in its place in the page.
+/// This file implements html_report.hpp.
+#include "host/report/html_report.hpp"
+
 #include <algorithm>
 #include <array>
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 #include <verisq/report.hpp>
 
-#include "host/mesh/extent.hpp"
-#include "host/report/column_text.hpp"
-#include "host/report/filled_page.hpp"
-#include "host/report/model_surface.hpp"
-#include "host/report/proof_data.hpp"
-#include "host/report/seated_implant.hpp"
-#include "host/report/view.hpp"
+#include "host/files/input_file.hpp"
+#include "host/files/output_file.hpp"
+#include "host/prepare/mesh_geometry.hpp"
+#include "host/report/projection.hpp"
 #include "report/page_template.hpp"
+#include "verify/numbers/points.hpp"
+
+namespace verisq::report {
+namespace {
+
+using Digits = boost::archive::iterators::base64_from_binary<
+    boost::archive::iterators::transform_width<const char*, 6, 8>>;  // 6 bits a digit, from bytes of 8
+
+}  // namespace
+
+std::string base64(std::span<const std::byte> bytes) {
+  const auto* const begin = reinterpret_cast<const char*>(bytes.data());
+  const std::size_t rest = bytes.size() % 3;
+  const char* const end_of_whole = begin + (bytes.size() - rest);
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  text.append(Digits(begin), Digits(end_of_whole));
+  if (rest == 0) return text;
+  std::array<char, 3> last{};
+  std::copy_n(end_of_whole, rest, last.begin());
+  text.append(Digits(last.data()), Digits(last.data() + last.size()));
+  text.replace(text.size() - (3 - rest), 3 - rest, 3 - rest, '=');
+  return text;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t piece = std::size_t{1} << 16;
+
+/// Calls `take` with all bytes of a file.
+template <class Take>
+void for_each_piece(const std::filesystem::path& path, const Take& take) {
+  InputFile file(path);
+  while (file.remaining() > 0) {
+    const std::size_t size = std::min<std::uint64_t>(piece, file.remaining());
+    take(file.take(size, "its bytes"));
+  }
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::string text;
+  for_each_piece(path, [&](std::string_view bytes) { text += bytes; });
+  return text;
+}
+
+std::string sha256_of(const std::filesystem::path& path) {
+  Sha256 hash;
+  for_each_piece(path, [&](std::string_view bytes) { hash.add(std::as_bytes(std::span(bytes))); });
+  return hash.digest();
+}
+
+template <std::size_t size>
+void append(std::vector<double>& numbers, const std::array<double, size>& more) {
+  numbers.insert(numbers.end(), more.begin(), more.end());
+}
+
+std::vector<double> vertices(const Mesh& mesh) {
+  std::vector<double> numbers;
+  for (const Point& vertex : mesh.vertices) append(numbers, vertex);
+  return numbers;
+}
+
+/// Where the primitives stand, if not where the file says.
+Json poses(const Report& report) {
+  if (!report.proof->moved) return nullptr;
+  std::vector<double> numbers;
+  for (const Primitive& primitive : report.implant.primitives) {
+    append(numbers, primitive.pose.translation);
+    append(numbers, primitive.pose.quaternion);
+  }
+  return column_text(std::move(numbers));
+}
+
+/// Points that some rows have.
+struct RowPoints {
+  std::vector<std::uint32_t> rows;
+  std::vector<double> points;
+
+  void add(std::size_t row, const std::optional<Point>& point) {
+    if (!point) return;
+    rows.push_back(static_cast<std::uint32_t>(row));
+    append(points, *point);
+  }
+};
+
+/// Of all rows one after the other, eight a byte, the highest first.
+struct CoverBits {
+  std::vector<std::uint32_t> ends;
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t count = 0;
+
+  void add(const std::vector<bool>& cover) {
+    for (const bool bit : cover) {
+      if (count % 8 == 0) bytes.push_back(0);
+      bytes.back() |= static_cast<std::uint8_t>((bit ? 0x80U : 0U) >> (count++ % 8));
+    }
+    ends.push_back(count);
+  }
+};
+
+Json columns_of(std::span<const Certificate> certificates) {
+  std::vector<std::uint32_t> ends;
+  std::vector<std::uint32_t> primitives;
+  std::vector<double> vectors;
+  RowPoints escapes;
+  RowPoints witnesses;
+  CoverBits covers;
+  for (std::size_t row = 0; row < certificates.size(); ++row) {
+    const Certificate& certificate = certificates[row];
+    for (const auto& [primitive, vector] : certificate.normals) {
+      primitives.push_back(primitive);
+      append(vectors, vector);
+    }
+    ends.push_back(static_cast<std::uint32_t>(primitives.size()));
+    escapes.add(row, certificate.escape);
+    witnesses.add(row, certificate.witness);
+    covers.add(certificate.cover);
+  }
+  return {{"normals_end", column_text(std::move(ends))},
+          {"primitives", column_text(std::move(primitives))},
+          {"normals", column_text(std::move(vectors))},
+          {"escaping", column_text(std::move(escapes.rows))},
+          {"escapes", column_text(std::move(escapes.points))},
+          {"witnessing", column_text(std::move(witnesses.rows))},
+          {"witnesses", column_text(std::move(witnesses.points))},
+          {"covers_end", column_text(std::move(covers.ends))},
+          {"covers", column_text(std::move(covers.bytes))}};
+}
+
+}  // namespace
+
+Json proof_data(const Report& report) {
+  if (!report.proof) return nullptr;
+  const ReportProof& proof = *report.proof;
+  return {{"model", text_of(proof.model_file)},
+          {"model_name", proof.model_file.filename().string()},
+          {"mesh_name", proof.mesh_file.filename().string()},
+          {"mesh_sha256", sha256_of(proof.mesh_file)},
+          {"poses", poses(report)},
+          {"point_radius", proof.point_radius},
+          {"vertices", column_text(vertices(report.bone))},
+          {"certificates", columns_of(proof.certificates)}};
+}
+
+namespace {
+
+/// In JSON these characters occur within texts alone.
+void write_for_html(OutputFile& file, std::string_view json) {
+  while (true) {
+    const std::size_t plain = json.find_first_of("<>&");
+    file.write(json.substr(0, plain));
+    if (plain == std::string_view::npos) return;
+    file.write(json[plain] == '<' ? "\\u003c" : json[plain] == '>' ? "\\u003e" : "\\u0026");
+    json.remove_prefix(plain + 1);
+  }
+}
+
+}  // namespace
+
+void write_filled_page(const std::filesystem::path& path, std::string_view page, std::string_view json) {
+  constexpr std::string_view marker = "<!--verisq-report-data-->";
+  const std::size_t place = page.find(marker);
+  OutputFile file(path);
+  file.write(page.substr(0, place));
+  file.write(R"(<script type="application/json" id="verisq-report">)");
+  write_for_html(file, json);
+  file.write("</script>");
+  file.write(page.substr(place + marker.size()));
+  file.finish();
+}
+
+}  // namespace verisq::report
 
 namespace verisq {
 namespace {
@@ -48,11 +228,12 @@ std::string column(std::span<const MapResult> rows, const Part& part) {
   return report::column_text(std::move(numbers));
 }
 
-/// As the poses are: about the files' origin.
+/// As the poses are: about the files' origin. The page squares quaternions.
 Json path(std::span<const Pose> poses) {
   if (poses.empty()) return nullptr;
   Json path = Json::array();
-  for (const Pose& pose : poses) path.push_back({{"translation", pose.translation}, {"quaternion", pose.quaternion}});
+  for (const Pose& pose : poses)
+    path.push_back({{"translation", pose.translation}, {"quaternion", verify::near_one(pose.quaternion)}});
   return path;
 }
 

@@ -1,18 +1,239 @@
-/// The layout of a picture: title, two views of the bone, and beside them the colours' meaning and the summary.
+/// This file implements picture.hpp.
+#include "host/report/picture.hpp"
+
+#include <cairo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <exception>
 #include <limits>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
+#include <verisq/error.hpp>
 #include <verisq/report.hpp>
 
-#include "host/report/bone_panel.hpp"
-#include "host/report/drawing.hpp"
+#include "host/errors/refusal.hpp"
+#include "host/files/output_file.hpp"
 #include "host/report/projection.hpp"
-#include "host/report/seated_implant.hpp"
+
+namespace verisq::report {
+namespace {
+
+Colour colour_of(std::uint32_t rgb) {
+  return Colour((rgb >> 16U) & 0xffU, (rgb >> 8U) & 0xffU, rgb & 0xffU) / 255.0;
+}
+
+using Stops = std::array<std::uint32_t, 6>;  // from zero to the end of the range
+
+constexpr Stops outside{0xdfeaf1, 0xb3d1e4, 0x7db1d3, 0x4288bb, 0x2468a8, 0x174a80};
+constexpr Stops inside{0xffc67d, 0xfb9a4b, 0xec6a2c, 0xc93f1c, 0x9e2318, 0x701414};
+constexpr std::uint32_t unbounded = 0x8b8f96;
+
+Colour blend(const Stops& stops, double t) {
+  const double place = std::min(t, 1.0) * static_cast<double>(stops.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(place), stops.size() - 2);
+  const double part = place - static_cast<double>(k);
+  return (1.0 - part) * colour_of(stops[k]) + part * colour_of(stops[k + 1]);
+}
+
+/// 1, 2 or 5 times a power of ten, no less than `size` but for rounding. Precondition: positive, finite.
+double round_step(double size) {
+  const double power = std::pow(10.0, std::floor(std::log10(size)));
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    if (size <= digit * power * (1.0 + 1e-9)) return digit * power;
+  }
+  return 10.0 * power;
+}
+
+/// How far from the implant's surface the rows are, by their lower bounds.
+std::vector<double> sizes_of(std::span<const MapResult> rows) {
+  std::vector<double> sizes;
+  for (const MapResult& row : rows) {
+    if (std::isfinite(row.distance.lo)) sizes.push_back(std::abs(row.distance.lo));
+  }
+  return sizes;
+}
+
+/// 3 mm.
+std::optional<double> decisive_range(std::string_view units) {
+  if (units == "mm") return 3.0;
+  if (units == "cm") return 0.3;
+  if (units == "m") return 0.003;
+  return std::nullopt;
+}
+
+/// Round, and so that few are beyond.
+double usual_range(std::vector<double> sizes) {
+  if (sizes.empty()) return 1.0;
+  // A few far vertices must not take the contrast of all others.
+  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
+  std::ranges::nth_element(sizes, usual);
+  if (!std::isnormal(*usual)) return 1.0;
+  const double step = round_step(*usual / 10.0);
+  const double range = std::ceil(*usual / step * (1.0 - 1e-9)) * step;
+  return std::isnormal(range) ? range : *usual;
+}
+
+}  // namespace
+
+Colour ColourScale::colour(double value) const {
+  if (!std::isfinite(value)) return colour_of(unbounded);
+  return value < 0.0 ? blend(inside, -value / range_) : blend(outside, value / range_);
+}
+
+std::vector<double> ColourScale::ticks() const {
+  const double step = round_step(range_ / 4.0);
+  const int count = static_cast<int>(range_ / step * (1.0 + 1e-9));
+  std::vector<double> ticks;
+  for (int k = -count; k <= count; ++k) ticks.push_back(k * step);
+  return ticks;
+}
+
+ColourScale scale_of(const Report& report) {
+  return ColourScale(report.range ? *report.range : default_range(report.rows, report.units));
+}
+
+}  // namespace verisq::report
+
+namespace verisq {
+
+double default_range(std::span<const MapResult> rows, std::string_view units) {
+  const std::vector<double> sizes = report::sizes_of(rows);
+  const std::optional<double> decisive = report::decisive_range(units);
+  if (!decisive) return report::usual_range(sizes);
+  const auto near = std::ranges::count_if(sizes, [&](double size) { return size <= *decisive; });
+  return 10 * near >= std::ssize(sizes) && near > 0 ? *decisive : report::usual_range(sizes);
+}
+
+}  // namespace verisq
+
+namespace verisq::report {
+namespace {
+
+struct Destroy {
+  void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+using Context = std::unique_ptr<cairo_t, Destroy>;
+
+std::uint32_t channel(double value) {
+  return static_cast<std::uint32_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+}
+
+bool continues_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xc0U) == 0x80U;
+}
+
+void choose_type(cairo_t* context, const Drawing::Type& type) {
+  cairo_select_font_face(context, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                         type.weight == Drawing::Weight::bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(context, type.size);
+  cairo_set_source_rgb(context, type.colour[0], type.colour[1], type.colour[2]);
+}
+
+double advance_of(cairo_t* context, const std::string& text) {
+  cairo_text_extents_t extents{};
+  cairo_text_extents(context, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+/// By bisection, because a model may name its units by a text of any length.
+std::string shortened(cairo_t* context, const std::string& text, double room) {
+  if (advance_of(context, text) <= room) return text;
+  const auto beginning = [&](std::size_t bytes) {
+    while (bytes > 0 && continues_character(text[bytes])) --bytes;
+    return text.substr(0, bytes) + "...";
+  };
+  std::size_t fits = 0;
+  std::size_t too_long = text.size();
+  while (too_long - fits > 1) {
+    const std::size_t middle = fits + (too_long - fits) / 2;
+    (advance_of(context, beginning(middle)) <= room ? fits : too_long) = middle;
+  }
+  return beginning(fits);
+}
+
+/// An output file that cairo writes to, and what went wrong there: exceptions must not cross C.
+struct Target {
+  OutputFile file;
+  std::exception_ptr error = nullptr;
+};
+
+cairo_status_t write_bytes(void* closure, const unsigned char* bytes, unsigned count) {
+  auto& target = *static_cast<Target*>(closure);
+  try {
+    target.file.write({reinterpret_cast<const char*>(bytes), count});
+    return CAIRO_STATUS_SUCCESS;
+  } catch (...) {
+    target.error = std::current_exception();
+    return CAIRO_STATUS_WRITE_ERROR;
+  }
+}
+
+}  // namespace
+
+void Drawing::Release::operator()(_cairo_surface* surface) const {
+  cairo_surface_destroy(surface);
+}
+
+Drawing::Drawing(int width, int height)
+    : width_(width), height_(height), surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)) {
+  if (const auto status = cairo_surface_status(surface_.get()); status != CAIRO_STATUS_SUCCESS) {
+    throw Error(ErrorKind::failure, std::string("the picture cannot be drawn: ") + cairo_status_to_string(status));
+  }
+  pixels_ = cairo_image_surface_get_data(surface_.get());
+  row_size_ = cairo_image_surface_get_stride(surface_.get());
+  fill_rectangle(0.0, 0.0, width, height, Colour(1.0, 1.0, 1.0));
+}
+
+void Drawing::set_row(int x, int y, std::span<const Colour> colours) {
+  cairo_surface_flush(surface_.get());
+  unsigned char* pixel = pixels_ + y * row_size_ + std::ptrdiff_t{4} * x;
+  for (const Colour& colour : colours) {
+    const std::uint32_t rgb = channel(colour[0]) << 16U | channel(colour[1]) << 8U | channel(colour[2]);
+    std::memcpy(pixel, &rgb, sizeof rgb);
+    pixel += sizeof rgb;
+  }
+  cairo_surface_mark_dirty(surface_.get());
+}
+
+void Drawing::fill_rectangle(double x, double y, double width, double height, const Colour& colour) {
+  const Context context(cairo_create(surface_.get()));
+  cairo_set_source_rgb(context.get(), colour[0], colour[1], colour[2]);
+  cairo_rectangle(context.get(), x, y, width, height);
+  cairo_fill(context.get());
+}
+
+void Drawing::write(double x, double y, double room, const std::string& text, const Type& type) {
+  const Context context(cairo_create(surface_.get()));
+  choose_type(context.get(), type);
+  const std::string line = shortened(context.get(), on_one_line(text), room);
+  cairo_move_to(context.get(), x, y);
+  cairo_show_text(context.get(), line.c_str());
+}
+
+double Drawing::width_of(const std::string& text, const Type& type) const {
+  const Context context(cairo_create(surface_.get()));
+  choose_type(context.get(), type);
+  return advance_of(context.get(), on_one_line(text));
+}
+
+void Drawing::save(const std::filesystem::path& path) const {
+  Target target{OutputFile(path)};
+  const auto status = cairo_surface_write_to_png_stream(surface_.get(), write_bytes, &target);
+  if (target.error) std::rethrow_exception(target.error);
+  if (status != CAIRO_STATUS_SUCCESS) target.file.fail(cairo_status_to_string(status));
+  target.file.finish();
+}
+
+}  // namespace verisq::report
 
 namespace verisq {
 namespace {
@@ -96,8 +317,10 @@ double draw_colour_bar(Drawing& drawing, const Report& report, const ColourScale
     drawing.write(layout.legend_left, y, layout.legend_width, "the smallest along its whole way;", faint);
     y += 22.0 * unit;
   }
-  drawing.write(layout.legend_left, y, layout.legend_width,
-                report.units.empty() ? "proven lower bound" : "proven lower bound, in " + report.units, faint);
+  drawing.write(
+      layout.legend_left, y, layout.legend_width,
+      report.units.empty() ? "proven lower bound" : std::string("proven lower bound, in") + units_behind(report.units),
+      faint);
   y += 26.0 * unit;
 
   const double width = 34.0 * unit;

@@ -1,13 +1,92 @@
-/// From a mesh in model units to the raster of a panel.
+/// Pictures before they are drawn: views, the surface that lies in front, the surfaces of models.
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <span>
+#include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+#include <verisq/report.hpp>
 
-#include "host/report/depth_buffer.hpp"
-#include "host/report/view.hpp"
+#include "host/report/picture.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::report {
+
+// Where a picture is taken from, and the pixels of bone and implant seen from there.
+
+// Where a picture is taken from.
+
+/// Turns, moves and scales points: x to the right, y up, z towards the viewer; bone and implant within [-1, 1]^3 (and
+/// somewhat more, where turned).
+struct View {
+  Eigen::Matrix3d axes;  ///< rows: right, up, towards the viewer; a rotation
+  Point centre;
+  double half_size;
+
+  [[nodiscard]] Eigen::Vector3d operator()(const Point& point) const {
+    const Eigen::Vector3d moved(point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]);
+    return axes * (moved / half_size);
+  }
+};
+
+/// Of length 1: `asked`, or the bone's long axis, towards the end that is the implant's. An implant in the middle third
+/// has no end: then as positive as the axis goes, as scanners place bodies.
+[[nodiscard]] Eigen::Vector3d upright(const Mesh& bone, const Mesh& implant, const std::optional<Point>& asked);
+
+/// With `up` on top, and seen from where the bone is broadest. Precondition: `up` of length 1.
+[[nodiscard]] View broad_view(const Mesh& bone, const Mesh& implant, const Eigen::Vector3d& up);
+
+/// The centroid of the triangles' area; of the vertices, where there is none.
+[[nodiscard]] Eigen::Vector3d surface_centroid(const std::vector<Eigen::Vector3d>& vertices, const Mesh& mesh);
+
+// What of a surface is nearest to the viewer at each sample of a raster.
+
+/// Triangles in the coordinates of the raster: x to the right and y down in samples, z towards the viewer.
+struct ProjectedSurface {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<float> facing;  ///< of each vertex: cosine of the angle between its normal and the line of sight
+  std::vector<float> values;  ///< of each vertex; empty where there are none
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+struct Sample {
+  float depth = -std::numeric_limits<float>::infinity();  ///< z; minus infinity: nothing there
+  float facing = 0.0F;
+  float value = 0.0F;
+
+  [[nodiscard]] bool covered() const { return depth > -std::numeric_limits<float>::infinity(); }
+};
+
+/// Rows [top, top + height) of a raster. Sample (x, y) stands for the point (x + 1/2, y + 1/2).
+class DepthBuffer {
+ public:
+  DepthBuffer(int width, int top, int height)
+      : width_(width), top_(top), height_(height), samples_(static_cast<std::size_t>(width) * height) {}
+
+  /// Draws what is not nearer to the viewer than `nearest`: the rest is cut away.
+  void draw(const ProjectedSurface& surface, double nearest = infinity);
+
+  /// Precondition: top <= y < top + height.
+  [[nodiscard]] const Sample& at(int x, int y) const { return samples_[index(x, y)]; }
+
+ private:
+  void draw(const ProjectedSurface& surface, const std::array<std::uint32_t, 3>& triangle, double nearest);
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y - top_) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+
+  int width_, top_, height_;
+  std::vector<Sample> samples_;
+};
+
+// From a mesh in model units to the raster of a panel.
 
 /// Where the plane of the view lies in the raster: x -> scale (x - x0), y -> scale (y0 - y).
 struct RasterTransform {
@@ -23,5 +102,42 @@ struct RasterTransform {
 /// `values`: one a vertex, or none.
 [[nodiscard]] ProjectedSurface projected(const Mesh& mesh, std::vector<float> values, const View& view,
                                          const RasterTransform& raster);
+
+// One drawing of bone and implant: the pixels without words.
+
+/// Bone and implant in the samples of a panel, of which a pixel has 2 x 2.
+struct Scene {
+  ProjectedSurface bone;     ///< values: the bone's lower bounds in ranges of the scale; not a number: none
+  ProjectedSurface implant;  ///< no values
+};
+
+enum class BoneShown {
+  whole,  ///< the implant shows through
+  cut,    ///< what is nearer to the viewer than the implant's middle is cut away
+};
+
+constexpr int samples_a_pixel_side = 2;
+
+/// Receives each row of the panel, from the top.
+using RowSink = std::function<void(int row, std::span<const Colour> colours)>;
+
+/// Draws a panel of width x height pixels on a white ground.
+void draw_panel(const Scene& scene, BoneShown shown, const ColourScale& scale, int width, int height,
+                const RowSink& sink);
+
+// Triangles to draw a model by, also where an implant's way ends. For the eye alone: nothing about them is proven.
+
+// Triangles to draw a model by. For the eye alone: binary64 to nearest, nothing about them is proven.
+
+/// The boundary of the model's solid, outward by the right-hand rule; every vertex lies on the surface of a primitive
+/// but for rounding. One primitive alone gives a closed surface. Where primitives meet, whole small triangles are kept
+/// or left out, with no gaps between them: the edges of cuts are ragged by a fraction of a triangle.
+[[nodiscard]] Mesh model_surface(const Model& model);
+
+// The implant of a report where its way ends.
+
+[[nodiscard]] inline Mesh seated_surface(const Report& report) {
+  return model_surface(report.path.empty() ? report.implant : posed(report.implant, report.path.back()));
+}
 
 }  // namespace verisq::report

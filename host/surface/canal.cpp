@@ -12,16 +12,14 @@
 #include <memory>
 #include <numbers>
 #include <utility>
-#include <verisq/canal.hpp>
 #include <verisq/error.hpp>
 #include <verisq/mesh_topology.hpp>
+#include <verisq/surface.hpp>
 
-#include "host/mesh/extent.hpp"
-#include "host/surface/cgal_mesh.hpp"
-#include "host/surface/grid_samples.hpp"
-#include "host/surface/largest_part.hpp"
-#include "host/surface/level_surface.hpp"
-#include "verify/containment/rims.hpp"
+#include "host/prepare/mesh_geometry.hpp"
+#include "host/surface/surface_steps.hpp"
+#include "verify/numbers/points.hpp"
+#include "verify/proof/closed_surface.hpp"
 
 namespace verisq {
 namespace {
@@ -180,7 +178,8 @@ class CubeSampler {
 
 double CorticalThickness::operator()(const Point& x) const {
   if (at.size() == 1) return at.front().thickness;
-  const double height = (x[0] * axis[0] + x[1] * axis[1] + x[2] * axis[2]) / length(axis);
+  const Point along = verify::near_one(axis);
+  const double height = (x[0] * along[0] + x[1] * along[1] + x[2] * along[2]) / length(along);
   const auto above = std::ranges::upper_bound(at, height, {}, &ThicknessAtHeight::height);
   if (above == at.begin()) return at.front().thickness;
   if (above == at.end()) return at.back().thickness;

@@ -10,24 +10,18 @@
 #include <string_view>
 #include <variant>
 #include <vector>
-#include <verisq/best_fit_certificate.hpp>
-#include <verisq/bone_side.hpp>
-#include <verisq/clearance_claim.hpp>
-#include <verisq/clearance_report.hpp>
-#include <verisq/contact_certificate.hpp>
-#include <verisq/deviation_certificate.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/equilibrium_certificate.hpp>
-#include <verisq/features_certificate.hpp>
-#include <verisq/fitness.hpp>
-#include <verisq/insertion_certificate.hpp>
+#include <verisq/features.hpp>
+#include <verisq/fit_bound.hpp>
+#include <verisq/insertion.hpp>
+#include <verisq/mesh_topology.hpp>
 #include <verisq/model.hpp>
-#include <verisq/pair_certificate.hpp>
-#include <verisq/path_certificate.hpp>
-#include <verisq/plane.hpp>
-#include <verisq/removed_volume_certificate.hpp>
-#include <verisq/side_checker.hpp>
-#include <verisq/way_surface_certificate.hpp>
+#include <verisq/path.hpp>
+#include <verisq/recovery.hpp>
+#include <verisq/stance_equilibrium.hpp>
 
 namespace verisq {
 
@@ -175,6 +169,15 @@ struct ContactAnswer {
   ContactCertificate certificate;
 };
 
+/// The kind `containment`: a model lies within the solid of a closed mesh, or around it.
+struct ContainmentAnswer {
+  SubjectFile model;
+  SubjectFile mesh;
+  std::string units;  ///< free text; empty when not given
+  Containment containment;
+  ContainmentCertificate certificate;
+};
+
 /// Precondition: no more triangles than fit into memory.
 [[nodiscard]] ContactTerms terms_of(const ContactAnswer& answer);
 
@@ -204,8 +207,8 @@ struct PathAnswer {
   PathCertificate certificate;
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, InsertionAnswer, DeviationAnswer,
-                            ContactAnswer, FeaturesAnswer, EquilibriumAnswer, PathAnswer>;
+using Answer = std::variant<PairAnswer, PoseAnswers, PathAnswer, FitAnswer, BestFitAnswer, InsertionAnswer,
+                            DeviationAnswer, ContactAnswer, ContainmentAnswer, FeaturesAnswer, EquilibriumAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -222,15 +225,6 @@ using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, I
 
 /// Writes the file so that `read_answer` gives the same bits; it appears under its name when it is complete. Throws
 /// Error(failure), and Error(input) for more than a file may hold. Precondition: an answer that it accepts.
-void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
-void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
-void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
-void write_answer(const std::filesystem::path& path, const BestFitAnswer& answer);
-void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
-void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
-void write_answer(const std::filesystem::path& path, const ContactAnswer& answer);
-void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);
-void write_answer(const std::filesystem::path& path, const EquilibriumAnswer& answer);
-void write_answer(const std::filesystem::path& path, const PathAnswer& answer);
+void write_answer(const std::filesystem::path& path, const Answer& answer);
 
 }  // namespace verisq

@@ -1,14 +1,19 @@
-/// Features of a femur, of landmarks that are known to a given radius: what a surgeon plans to keep (paper, section 1).
+/// Landmarks and features of a femur, enclosed, and their certificate.
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
 
 namespace verisq {
+
+// Features of a femur, of landmarks that are known to a given radius: what a surgeon plans to keep (paper, section 1).
 
 /// Of the patient.
 enum class Side { left, right };
@@ -102,5 +107,55 @@ struct DetectedFemur {
 /// proximal one nothing needs it. Throws Error(input), one line, for a mesh that is none: no triangles, several bones,
 /// no long axis, no head of a radius of 12 to 35 mm, no neck, or no shaft; and for a side that the condyles contradict.
 [[nodiscard]] DetectedFemur detect_femur(const Mesh& mesh, std::optional<Side> side = {});
+
+// What is claimed of a femur's features, and what 127-bit intervals prove of it: the landmarks are all the proof.
+
+/// As `femur_features` and `implant_changes` say of the same landmarks.
+struct FeatureClaims {
+  FemurLandmarks landmarks;
+  std::optional<Side> side;
+  double landmark_radius;
+  std::vector<Feature> features;
+  std::optional<FemurFrame> frame = {};
+  std::optional<FemurLandmarks> implant = {};  ///< the points that count; nothing: no changes are claimed
+  std::vector<Feature> changes = {};
+};
+
+/// In the order of the claims. Those of another name, method or unit, or that the landmarks do not tell, are unproved.
+struct FeatureFindings {
+  std::vector<Finding> features;
+  /// Of x, y, z: how far each true axis tilts from the claimed direction, in degrees, claimed no more than its tilt.
+  std::optional<std::array<Finding, 3>> frame;
+  std::vector<Finding> changes;
+
+  [[nodiscard]] std::vector<Finding> all() const;
+};
+
+/// Throws Error(input) as `femur_features`. Precondition: the claims hold no NaN.
+[[nodiscard]] FeatureFindings check(const FeatureClaims& claims);
+
+// Reads and writes landmarks of a femur: `verisq-landmarks/1` (docs/formats.md).
+
+struct LandmarkFile {
+  FemurLandmarks landmarks;
+  std::optional<Side> side;  ///< nothing when the file does not say
+};
+
+/// Throws Error(input) naming file, key and value for what the format does not allow.
+[[nodiscard]] LandmarkFile read_landmarks(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] LandmarkFile parse_landmarks(std::string_view json, std::string_view name);
+
+/// The same landmarks are read again, bit for bit. The file appears when it is complete. Throws Error(failure).
+void write_landmarks(const std::filesystem::path& path, const LandmarkFile& file);
+
+/// The points that a model file names (key `landmarks`), in the model's coordinates: of an implant its head's centre
+/// and points on the axes of neck and shaft. None where it has no such key. Throws Error(input) as
+/// `read_uncertain_model`.
+[[nodiscard]] FemurLandmarks read_model_landmarks(const std::filesystem::path& model);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] FemurLandmarks parse_model_landmarks(std::string_view json, std::string_view name);
 
 }  // namespace verisq

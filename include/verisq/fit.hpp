@@ -1,5 +1,4 @@
-/// Searches for the pose and the sizes of an implant that serve a cavity best: the paper's Eq. (4). A search in
-/// floating point: nothing here is proven; `clearance.hpp` proves what was found.
+/// The search of fits: the pose of an implant that serves a cavity best, within a range of poses.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +6,25 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/cavity.hpp>
+#include <verisq/clearance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/fitness.hpp>
 #include <verisq/model.hpp>
-#include <verisq/pose_range.hpp>
-#include <verisq/sides.hpp>
-#include <verisq/uncertain_model.hpp>
 
 namespace verisq {
+
+// The poses that a fit may choose.
+
+/// From the start, the implant's centre (of the bounding box of its own frame) moves by at most `translation` along
+/// each axis, and the implant turns about that centre by a rotation vector of at most `rotation_degrees` along each
+/// axis.
+struct PoseRange {
+  Pose start{};
+  double translation;       ///< model units, >= 0
+  double rotation_degrees;  ///< in [0, 180]
+};
+
+// Searches for the pose and the sizes of an implant that serve a cavity best: the paper's Eq. (4). A search in
+// floating point: nothing here is proven; `clearance.hpp` proves what was found.
 
 /// What is asked of the pose of an implant: a number within a range.
 struct FitConstraint {
@@ -69,6 +78,7 @@ struct FitOptions {
   std::size_t samples = 4096;                                ///< poses of the global start
   std::string device = "auto";                               ///< as MapOptions::device; "host": no OpenCL at all
   std::function<bool()> interrupted = [] { return false; };  ///< polled; true: the best so far is returned
+  std::function<bool()> out_of_time = {};                    ///< a time limit, likewise; empty: none
   std::function<void(const FitProgress&)> progress = [](const FitProgress&) {};
 };
 
@@ -103,6 +113,7 @@ struct Fit {
   /// The best of every other implant, and the other poses of the chosen one that were refined: the best first.
   std::vector<FitFinalist> finalists;
   bool interrupted;
+  bool out_of_time;     ///< the limit ended the search
   std::uint64_t poses;  ///< candidates evaluated
   std::string device;   ///< used, or "host"; with bends and set operations for what is mapped, not for the search
   std::string notice;   ///< why a device was passed over; empty when nothing to say

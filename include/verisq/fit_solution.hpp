@@ -1,27 +1,144 @@
-/// The best pose of a fit's problem, how near it is to the best possible one, and the proof of what was found.
+/// What is asked of a fit, and its solution: the pose and the sizes of an implant, and the proof of how well it serves.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
-#include <verisq/certified_contact.hpp>
 #include <verisq/clearance.hpp>
-#include <verisq/contact_area.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/enclosure.hpp>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
-#include <verisq/fit_conditions.hpp>
-#include <verisq/fit_problem.hpp>
 #include <verisq/map.hpp>
-#include <verisq/mesh_clearance.hpp>
-#include <verisq/sides.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/mesh_topology.hpp>
+#include <verisq/model.hpp>
 
 namespace verisq {
+
+// What is asked of a fit, and the problem that this is: which side of which surface, areas, features that are kept.
+
+enum class Completion : std::uint8_t { cementless, cemented };
+
+/// What the mesh bounds.
+enum class FitSurface : std::uint8_t {
+  cavity,   ///< the room that the implant lies in
+  bone,     ///< what it lies outside of
+  unsided,  ///< sides do not matter
+};
+
+/// What a change of a feature, or an area of contact, has to be within.
+struct KeptFeature {
+  /// As implant_changes names it; of contact, in percent: "contact" (of the mesh's area), "contact:AREA" (of one area
+  /// of it), "implant_contact" (of the surface of the primitives that have to lie on a side; of all where none has to).
+  std::string name;
+  Enclosure range;
+};
+
+/// One implant of a series, as its file has it.
+struct FitImplant {
+  std::string name;  ///< stands for it in messages
+  UncertainModel model;
+  FemurLandmarks landmarks = {};    ///< points that it names
+  std::vector<AreaBox> areas = {};  ///< of the bone
+};
+
+/// The bone's landmarks, each known to within `radius`.
+struct FitLandmarks {
+  std::string name;  ///< stands for them in messages
+  FemurLandmarks points;
+  std::optional<Side> side = {};
+  double radius = 0.0;  ///< model units, >= 0
+};
+
+/// Fields have the names of `verisq fit`'s options, and messages name them so. Lengths are in model units.
+struct FitRequest {
+  std::vector<FitImplant> implants;
+  std::string mesh_name;  ///< stands for the mesh in messages
+  Mesh mesh;
+  std::optional<FitSurface> surface = {};  ///< nothing: a closed mesh whose normals point inward is a cavity
+  std::optional<Plane> resection = {};     ///< in which the bone is cut
+  std::vector<std::string> crossing = {};  ///< primitives that may pass through the opening, and lie anywhere
+  std::vector<std::string> outside = {};   ///< primitives that have to lie outside of the cavity
+  std::optional<FitLandmarks> landmarks = {};
+  std::vector<KeptFeature> kept = {};
+  FitObjective objective = FitObjective::fitness;
+  bool implant_contact = false;  ///< whether the implant's area of contact is asked for, too
+  Completion completion = Completion::cementless;
+  std::optional<double> gap = {};            ///< finite, >= 0; by default 2, where the implants' units are mm
+  std::optional<double> gap_tolerance = {};  ///< finite, > 0; of cemented completion, by default half the gap
+  double penetration_limit = 0.0;            ///< finite, >= 0
+  std::optional<bool> on_triangles = {};     ///< whether triangles keep the limit, too; by default where there are any
+  Pose pose_start = {};
+  std::optional<double> translation_range = {};  ///< finite, >= 0; by default half the diagonal of the mesh's box
+  double rotation_range = 30.0;                  ///< degrees, in [0, 180]
+  std::uint64_t seed = 1;
+  std::size_t samples = 4096;
+  std::optional<Cavity> labelled = {};  ///< areas of all of the mesh's vertices; nothing: the implants' boxes
+  std::vector<Area> weights = {};       ///< of areas that are boxes, "elsewhere" among them
+  std::string device = "auto";
+};
+
+struct FitProblem {
+  std::vector<std::string> names;  ///< of the implants
+  std::vector<UncertainModel> series;
+  std::vector<FemurLandmarks> implant_landmarks;  ///< one an implant
+  std::string units;                              ///< of all implants; empty when none has any
+  Mesh mesh;                                      ///< cut off at the resection
+  FitSurface surface = FitSurface::unsided;
+  std::optional<FitLandmarks> bone;   ///< its landmarks, where they are given
+  std::vector<KeptFeature> kept;      ///< of features
+  std::vector<KeptFeature> contacts;  ///< of contact
+  bool implant_contact = false;
+  Cavity cavity;                     ///< the vertices of the mesh
+  FitOptions options;                ///< but for its constraints: solve_fit adds those of `kept` and `contacts`
+  std::vector<std::string> notices;  ///< what was taken for granted, a sentence each
+};
+
+/// Checks what is asked for, of each thing and of all together. Throws Error(input) naming option and file as `verisq
+/// fit` does: for implants that a fit does not know, units that differ, a surface of which it has to be said what it
+/// is, or that is not what is said, primitives, areas and features that are not there.
+[[nodiscard]] FitProblem fit_problem(FitRequest request);
+
+/// What the implant of the series changes of the bone in this pose; nothing without the bone's landmarks.
+[[nodiscard]] FemurFeatures changes_of(const FitProblem& problem, std::size_t implant, const Pose& pose);
+
+/// Whether a number known to be within `value` lies in the range; nothing where that is open.
+[[nodiscard]] std::optional<bool> is_within(const Enclosure& value, const Enclosure& range);
+
+/// Every change that a range is asked of is there, and proven to be within it.
+[[nodiscard]] bool is_preserved(const FemurFeatures& changes, std::span<const KeptFeature> kept);
+
+// What is asked of a fit, each thing with what is proven of it, and whether it keeps the fit from being better.
+
+enum class ConditionUnit : std::uint8_t { none, length, degrees, percent };
+
+/// An end of a range.
+enum class RangeEnd : std::uint8_t { lower, upper };
+
+struct FitCondition {
+  std::string name;  ///< "smallest distance", "side of stem", a feature, "contact:proximal"
+  ConditionUnit unit = ConditionUnit::none;
+  std::optional<Enclosure> value = {};  ///< proven; nothing of sides
+  std::optional<Enclosure> range = {};  ///< asked of it; nothing of sides
+  std::optional<bool> kept = {};        ///< proven, or proven not to be; nothing where that is open
+  /// Where the value comes so close to an end of the range that this end may be what keeps the fit from being better:
+  /// to a hundredth of the distance on which the fitness changes, of a degree, or to half a percent.
+  std::optional<RangeEnd> binds = {};
+};
+
+// The best pose of a fit's problem, how near it is to the best possible one, and the proof of what was found.
 
 struct FitSolutionOptions {
   std::optional<double> gap = {};  ///< in (0, 1): asks for a bound, as FitBoundOptions
   std::function<bool()> interrupted = [] { return false; };
   std::function<bool()> out_of_time = [] { return false; };  ///< of the bound
+  std::function<bool()> search_out_of_time = {};             ///< of the search and the bound; empty: no limit
   std::function<void(const FitProgress&)> progress = [](const FitProgress&) {};
   std::function<void(const FitBoundProgress&)> bound_progress = [](const FitBoundProgress&) {};
   std::function<void(const Fit&)> found = [](const Fit&) {};  ///< a second time where the bound met a better pose
@@ -61,11 +178,12 @@ struct FitSolution {
 /// What is proven of the fitted implant, as its numbers state it.
 struct FitProof {
   Clearance clearance;
-  std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
-  std::optional<Sides> sides;            ///< nothing where the surface is unsided
-  FemurFeatures changes;                 ///< none where the bone's landmarks are not given
-  std::optional<ContactAreas> contact;   ///< nothing for a mesh without triangles
-  std::vector<FitCondition> conditions;  ///< all that is asked
+  std::optional<MeshClearance> surface;      ///< nothing where only vertices keep the limit
+  std::optional<Sides> sides;                ///< nothing where the surface is unsided
+  FemurFeatures changes;                     ///< none where the bone's landmarks are not given
+  std::optional<ContactAreas> contact;       ///< nothing for a mesh without triangles
+  std::vector<FitCondition> conditions;      ///< all that is asked
+  std::vector<std::string> unfinished = {};  ///< what the time limit, or an interruption, left open, in words
   /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing without a
   /// bound, and unless every vertex is proven to keep the limit that the bound is for, and the objective to be
   /// positive.
@@ -74,6 +192,8 @@ struct FitProof {
 
 /// The rows of all vertices go to `sink` as they come. Throws Error as certified_clearance, mesh_clearance,
 /// prove_sides.
+/// At `options.out_of_time` what is not proven yet stays open: rows are valid, and wide, and `unfinished` names the
+/// rest.
 [[nodiscard]] FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const MapOptions& options,
                                  const Sink<Point>& sink);
 
@@ -83,8 +203,8 @@ struct FitProof {
     const FitProblem& problem, const Fit& fit, const FitProof& proof, const std::function<bool()>& interrupted,
     const std::function<void(double)>& progress = [](double) {});
 
-/// Every row is verified, nothing proven too deep, sides and features are kept, and a bound, where there is one, is as
-/// near as `gap`.
+/// The time limit left nothing open, every row is verified, nothing proven too deep, sides and features are kept, and a
+/// bound, where there is one, is as near as `gap`.
 [[nodiscard]] bool is_as_asked(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,
                                const std::optional<double>& gap);
 

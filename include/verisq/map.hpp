@@ -1,6 +1,8 @@
-/// The main job: a guaranteed distance for every point, triangle or pose of a stream.
+/// Maps: enclosed distances of many points, triangles or poses to a model, on a device or the host.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -9,16 +11,191 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <verisq/certificate.hpp>
-#include <verisq/columns.hpp>
-#include <verisq/map_result.hpp>
-#include <verisq/map_summary.hpp>
+#include <string_view>
+#include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
+#include <verisq/error.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
-#include <verisq/pose_uncertainty.hpp>
-#include <verisq/uncertain_model.hpp>
 
 namespace verisq {
+
+// One row of a map: an enclosure and who proved it.
+
+enum class Status : std::uint8_t {
+  device_verified = 0,  ///< at most the tolerance wide, proven by the device's kernels
+  host_verified = 1,    ///< left open by the device, proven by the host
+  wide = 2,             ///< valid, but wider than the tolerance
+};
+
+/// The word used in `.csv` and `.json`: "device-verified", "host-verified", "wide".
+[[nodiscard]] constexpr std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::device_verified: return "device-verified";
+    case Status::host_verified: return "host-verified";
+    case Status::wide: break;
+  }
+  return "wide";
+}
+
+struct MapResult {
+  Enclosure distance;
+  Status status;
+};
+
+// What a map says of all of its rows.
+
+struct MapSummary {
+  std::string device;        ///< name of the device used, or "host"
+  std::uint64_t points = 0;  ///< rows delivered to the sink
+  std::uint64_t device_verified = 0;
+  std::uint64_t host_verified = 0;
+  std::uint64_t wide = 0;
+  std::uint64_t wide_inside = 0;  ///< of those, rows with a lower end below 0
+  double minimum_lo = 0.0;        ///< enclosure of the smallest distance of all rows
+  double minimum_hi = 0.0;
+  double largest_width = 0.0;
+  double device_seconds = 0.0;  ///< during which kernels ran, those of two chunks at once counted once
+  double host_seconds = 0.0;    ///< wall time of the host's proofs
+  bool interrupted = false;
+  bool out_of_time = false;  ///< the limit came while rows were wide
+  std::string notice;        ///< why a device was passed over; empty when nothing to say
+};
+
+// Queries and rows of a map where the caller has them in memory: columns with any stride.
+
+/// Value i is first[i * stride]. A view: the memory must outlive it. A stride may be negative, of what is only read 0.
+template <class Value>
+struct Column {
+  Value* first = nullptr;
+  std::ptrdiff_t stride = 1;
+
+  [[nodiscard]] Value& operator[](std::size_t i) const { return *at(i); }
+  /// The column from value i on.
+  [[nodiscard]] Column from(std::size_t i) const { return {at(i), stride}; }
+
+ private:
+  [[nodiscard]] Value* at(std::size_t i) const { return first + static_cast<std::ptrdiff_t>(i) * stride; }
+};
+
+/// Points wherever their coordinates lie.
+class PointColumns {
+ public:
+  /// Points as they are, of stride 3: a vector or span of them.
+  template <std::convertible_to<std::span<const Point>> Points>
+  PointColumns(const Points& points) : PointColumns(of_points(points)) {}
+
+  /// One column for each coordinate. Throws Error(input) unless they have one length.
+  PointColumns(std::span<const double> x, std::span<const double> y, std::span<const double> z)
+      : PointColumns(y.size() == x.size() && z.size() == x.size()
+                         ? x.size()
+                         : throw Error(ErrorKind::input, "the columns of the coordinates have different lengths"),
+                     {x.data()}, {y.data()}, {z.data()}) {}
+
+  PointColumns(std::size_t size, Column<const double> x, Column<const double> y, Column<const double> z)
+      : size_(size), coordinates_{x, y, z} {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] const std::array<Column<const double>, 3>& coordinates() const { return coordinates_; }
+  [[nodiscard]] Point operator[](std::size_t i) const {
+    return {coordinates_[0][i], coordinates_[1][i], coordinates_[2][i]};
+  }
+
+  /// Precondition: there are as many.
+  [[nodiscard]] PointColumns subspan(std::size_t first, std::size_t count) const {
+    return {count, coordinates_[0].from(first), coordinates_[1].from(first), coordinates_[2].from(first)};
+  }
+
+ private:
+  static PointColumns of_points(std::span<const Point> points) {
+    if (points.empty()) return {0, {}, {}, {}};
+    const double* const first{points.front().data()};
+    return {points.size(), {first, 3}, {first + 1, 3}, {first + 2, 3}};
+  }
+
+  std::size_t size_;
+  std::array<Column<const double>, 3> coordinates_;
+};
+
+/// Where rows of a map go. Their values share memory neither with each other nor with the queries; columns that
+/// interleave, like those of one record, are apart where their strides in bytes are the same.
+class ResultColumns {
+ public:
+  /// Rows as they are.
+  ResultColumns(std::span<MapResult> rows) : ResultColumns(of_rows(rows)) {}
+  ResultColumns(std::vector<MapResult>& rows) : ResultColumns(of_rows(rows)) {}
+
+  /// One column each. Throws Error(input) unless they have one length.
+  ResultColumns(std::span<double> lo, std::span<double> hi, std::span<Status> status)
+      : ResultColumns(hi.size() == lo.size() && status.size() == lo.size()
+                          ? lo.size()
+                          : throw Error(ErrorKind::input, "the columns of the rows have different lengths"),
+                      {lo.data()}, {hi.data()}, {status.data()}) {}
+
+  ResultColumns(std::size_t size, Column<double> lo, Column<double> hi, Column<Status> status)
+      : size_(size), lo_(lo), hi_(hi), status_(status) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] Column<double> lo() const { return lo_; }
+  [[nodiscard]] Column<double> hi() const { return hi_; }
+  [[nodiscard]] Column<Status> status() const { return status_; }
+  [[nodiscard]] MapResult operator[](std::size_t i) const { return {{lo_[i], hi_[i]}, status_[i]}; }
+  void set(std::size_t i, const MapResult& row) const {
+    lo_[i] = row.distance.lo;
+    hi_[i] = row.distance.hi;
+    status_[i] = row.status;
+  }
+
+  /// Precondition: there are as many.
+  [[nodiscard]] ResultColumns subspan(std::size_t first, std::size_t count) const {
+    return {count, lo_.from(first), hi_.from(first), status_.from(first)};
+  }
+
+ private:
+  static ResultColumns of_rows(std::span<MapResult> rows) {
+    if (rows.empty()) return {0, ends(), ends(), {}};
+    MapResult& first = rows[0];
+    return {rows.size(), ends(&first.distance.lo), ends(&first.distance.hi), {&first.status, sizeof(MapResult)}};
+  }
+
+  static Column<double> ends(double* first = nullptr) { return {first, sizeof(MapResult) / sizeof(double)}; }
+
+  std::size_t size_;
+  Column<double> lo_;
+  Column<double> hi_;
+  Column<Status> status_;
+};
+
+/// All queries of a map: points wherever their coordinates lie, others as they are.
+template <class Query>
+struct QueriesInMemory {
+  using type = std::span<const Query>;
+};
+template <>
+struct QueriesInMemory<Point> {
+  using type = PointColumns;
+};
+
+// A model whose place is known within bounds only: what a tracking system or a registration leaves open.
+
+/// All poses x -> centre + E (x - centre) + d of what stands at its nominal pose: E any rotation about any axis by at
+/// most `rotation`, |d[i]| <= translation[i].
+struct PoseUncertainty {
+  std::array<double, 3> translation{};  ///< along each axis, in model units; finite, at least 0
+  double rotation = 0.0;                ///< in radians; finite, at least 0
+  /// What the rotation leaves in place: in the coordinates of the points or triangles; of poses in the own ones of the
+  /// model that they move.
+  Point centre{};
+};
+
+/// Radians that are no less than the angle: for bounds that are known in degrees. Precondition: finite, at least 0.
+[[nodiscard]] inline double radians_up(double degrees) {
+  constexpr double above_pi_by_180 = 0x1.1df46a2529d3ap-6;  // the next binary64 number above it
+  return std::nextafter(degrees * above_pi_by_180, infinity);
+}
+
+// The main job: a guaranteed distance for every point, triangle or pose of a stream.
 
 /// So few rows are not worth a device's start, which takes a tenth of a second, or the first time as long as its
 /// kernels take to compile: the host proves so many ordinary ones in a fiftieth. Who knows that there are no more asks

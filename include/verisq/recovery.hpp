@@ -1,18 +1,110 @@
-/// Models from point clouds and meshes: one superquadric, or a union of several, by a search in floating point that
-/// proves nothing.
+/// Models of clouds and meshes, and on which side of a mesh they are proven to lie.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
-#include <verisq/containment.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/mesh.hpp>
+#include <verisq/mesh_topology.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
+
+// Proves that a model lies within the solid that a closed mesh bounds, or around it.
+//
+// The mesh counts as its binary64 corners state it, its triangles may cross each other. Its solid is what they part
+// from infinity an odd number of times. A model that is proven to be around it contains all that they part from
+// infinity.
+
+enum class Containment : std::uint8_t {
+  within,  ///< every point of the model is a point of the mesh's solid, its surface included
+  around,  ///< every point of the mesh's solid is a point of the model
+};
+
+struct ContainmentOptions {
+  std::uint64_t most_samples = 1U << 24U;  ///< distances asked for, about; then what is open stays undecided
+  std::string device = "auto";             ///< as MapOptions
+  std::function<bool()> interrupted = [] { return false; };  ///< polled; true ends early
+};
+
+/// Four primitives, their indices ascending, and a point of all of them.
+struct CommonPoint {
+  std::array<std::uint32_t, 4> primitives;
+  Point point;
+};
+
+/// Proves that a union has no cavity: some of its primitives are apart, some have a point in common. Three primitives
+/// or fewer need no certificate. A model within a mesh needs none: model and mesh are all the proof.
+struct ContainmentCertificate {
+  std::vector<Separation> apart;  ///< both of the same model, a before b
+  std::vector<CommonPoint> common;
+};
+
+struct ContainmentFinding {
+  Verdict verdict;
+  std::string open;  ///< the first thing that is not proven; empty where all is
+};
+
+/// Proves a containment again: MPFR, no OpenCL, no solver. Immutable: safe to call from many threads.
+class ContainmentChecker {
+ public:
+  /// Throws Error(input) for a model that has set operations or is none, and for a mesh that is not closed or not
+  /// turned alike all over. Precondition: triangles of vertices that are there, finite coordinates.
+  ContainmentChecker(const Model& model, const Mesh& mesh);
+  ~ContainmentChecker();
+  ContainmentChecker(ContainmentChecker&&) noexcept;
+  ContainmentChecker& operator=(ContainmentChecker&&) noexcept;
+
+  /// `within` of a mesh in one part. `around` of unbent primitives alone.
+  [[nodiscard]] ContainmentFinding operator()(Containment claim, const ContainmentCertificate& certificate,
+                                              const CheckOptions& options = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A point of the mesh, to within rounding, that contradicts it.
+struct PointAcross {
+  Point point;
+  double excess;  ///< from above: how deep in a primitive (`within`), or how far from the model (`around`)
+};
+
+struct ContainmentProof {
+  Containment containment = Containment::within;  ///< what was asked
+  bool proven = false;
+  std::uint64_t triangles_proven = 0;   ///< on the side where they should be
+  std::uint64_t triangles_refuted = 0;  ///< some point of the triangle is proven to be on the other
+  std::uint64_t triangles_undecided = 0;
+  /// `within`: of the primitives, those whose centre is not proven to lie inside the mesh.
+  std::vector<std::string> centres_outside = {};
+  /// `around`: nothing is proven of cavities of the model, in which parts of the mesh's solid could lie.
+  bool maybe_with_cavities = false;
+  ContainmentCertificate certificate = {};
+  std::vector<PointAcross> across = {};  ///< of the points looked at
+  std::uint64_t samples = 0;
+  bool interrupted = false;
+};
+
+/// Whether a mesh bounds a solid that models can be contained in: closed, and no side of more than two triangles.
+[[nodiscard]] bool bounds_for_containment(const MeshTopology& topology);
+
+/// Decides it as far as it can (docs/mathematics.md §21); `proven` false is no proof of the contrary. `around` by
+/// several primitives is proven of convex ones alone. Throws Error(input) for models with set operations or without
+/// primitives, meshes that do not bound a solid as above, coordinates that are not finite, and as Mapper.
+[[nodiscard]] ContainmentProof prove_containment(const Model& model, const Mesh& mesh, Containment containment,
+                                                 const ContainmentOptions& options);
+
+// Models from point clouds and meshes: one superquadric, or a union of several, by a search in floating point that
+// proves nothing.
 
 /// Distances in floating point, of samples: estimated, not proven.
 struct EstimatedDeviation {

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
-#include <verisq/certificate.hpp>
-#include <verisq/map_result.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 

@@ -1,15 +1,21 @@
-/// Where a model of stance stands still on the ground, proven (docs/stance.md §7).
+/// Where a body stands still, whether it is stable, and what proves it.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
-#include <verisq/stance_analysis.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+#include <verisq/stance.hpp>
 
 namespace verisq::stance {
+
+// Where a model of stance stands still on the ground, proven (docs/stance.md §7).
 
 /// What the joints do while the body stands.
 enum class JointControl : std::uint8_t {
@@ -22,7 +28,8 @@ struct CylinderLoad {
   Enclosure penetration;  ///< of both of its points, m
 };
 
-/// A static equilibrium for every parameter of a box, in which all cylinders press the ground with all their length.
+/// A static equilibrium for every parameter of a box, in which each cylinder presses the ground at both contact points
+/// of its axis. An end of the axis may be above the ground.
 struct Standing {
   std::vector<Enclosure> positions;  ///< of all joints, bodies in order, m or rad
   std::vector<Enclosure> torques;    ///< that hold the joints, N m or N; those of the root enclose 0
@@ -85,5 +92,133 @@ struct EquilibriumOptions {
 /// Error(input) for a model that cannot stand by these: without cylinders, without a root that first is translated and
 /// then turned about x and z, with a horizontal applied force.
 [[nodiscard]] Equilibrium equilibrium(const Model& model, UncertainSet uncertain, const EquilibriumOptions& options);
+
+// What is claimed of where a body stands still on the ground.
+
+/// What is claimed, as `equilibrium` finds it.
+struct EquilibriumClaims {
+  JointControl control;
+  std::vector<std::uint32_t> uncertain;  ///< parameters of the model
+  std::vector<Enclosure> ranges;         ///< of these: the box; all others are nominal
+  double stands;                         ///< at least this share of the box's volume
+  std::optional<Standing> standing;      ///< over all of that share; nothing: none is claimed to stand
+};
+
+/// One after the other: positions of all joints, torques, loads of the cylinders (force, penetration), the centre of
+/// pressure's x and z, the least penetration.
+[[nodiscard]] std::vector<Enclosure> numbers_of(const Standing& standing);
+
+// What proves where a body stands still on the ground again, without a search: boxes of parameters and of postures.
+
+/// A part of the box, with all of its own parts in preorder.
+struct EquilibriumPart {
+  /// Index in `uncertain`: cut at the middle of this range, to nearest; the lower half comes first.
+  std::optional<std::uint32_t> halved = {};
+  /// Of a part that is not: of the reference point's height and of the joints sought (`positions` that an equilibrium
+  /// leaves open, in order), ranges that hold exactly one equilibrium on all cylinders for each parameter. Empty:
+  /// nothing is said of it.
+  std::vector<Enclosure> postures = {};
+};
+
+/// Where a range is halved.
+[[nodiscard]] constexpr double middle_of(const Enclosure& range) {
+  const double middle = 0.5 * range.lo + 0.5 * range.hi;
+  return middle < range.lo ? range.lo : middle > range.hi ? range.hi : middle;
+}
+
+struct EquilibriumCertificate {
+  Point reference;  ///< of the root, in its frame: by its height the root's is told
+  std::vector<EquilibriumPart> parts;
+};
+
+struct ProvenEquilibrium {
+  double stands = 0.0;               ///< at least this share, 1 only where all of the box does
+  std::optional<Standing> standing;  ///< over all parts that are said to stand; infinite where one is not proven
+  /// Of single parameters that stand: the least value of each number is at most `hi`, the greatest at least `lo`.
+  std::optional<Standing> of_some;
+  std::uint64_t parts = 0;           ///< that are said to stand
+  std::uint64_t unproved_parts = 0;  ///< of these
+  bool interrupted = false;          ///< nothing is said then
+};
+
+/// What the certificate proves, whatever it holds, by MPFR alone and by other formulas than `equilibrium`. Throws
+/// Error(input) as that. Preconditions: parameters of the model, each once, with finite ranges; a finite reference
+/// point; no posture holds a NaN.
+[[nodiscard]] ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims,
+                                      const EquilibriumCertificate& certificate, const CheckOptions& options);
+
+/// Of each claim: that so much of the box stands, then of `numbers_of` what is claimed to stand. Precondition: as many
+/// numbers as `proven` has, no NaN.
+[[nodiscard]] std::vector<Finding> check(const EquilibriumClaims& claims, const ProvenEquilibrium& proven);
+
+// Equilibria with what proves them again.
+
+struct CertifiedEquilibrium {
+  EquilibriumClaims claims;  ///< what the certificate proves: other formulas, so a little wider or narrower
+  EquilibriumCertificate certificate;
+  std::uint64_t left_out = 0;  ///< cells that are found to stand, of which no certificate was found
+  bool interrupted = false;    ///< nothing is claimed then
+};
+
+/// Of what was found of this model, with the same control. Throws Error(input) as `equilibrium`.
+[[nodiscard]] CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet uncertain,
+                                                         JointControl control, const Equilibrium& found,
+                                                         const CheckOptions& options);
+
+// Whether a standing body returns after small disturbances, proven (docs/stance.md §8).
+
+enum class StabilityVerdict : std::uint8_t {
+  stable,    ///< proven: small disturbances die out, whatever they are
+  unstable,  ///< proven: some grow, however small they are
+  open,      ///< neither is proven, or that there is an equilibrium is not
+};
+
+/// A key: "stable", "unstable", "open".
+[[nodiscard]] constexpr std::string_view to_string(StabilityVerdict verdict) {
+  switch (verdict) {
+    case StabilityVerdict::stable: return "stable";
+    case StabilityVerdict::unstable: return "unstable";
+    case StabilityVerdict::open: break;
+  }
+  return "open";
+}
+
+/// A part of the complex plane, in 1/s, and how many eigenvalues lie in it.
+struct EigenvalueEnclosure {
+  Enclosure real;
+  Enclosure imaginary;
+  std::size_t count;
+};
+
+struct StabilityCell {
+  std::vector<Enclosure> ranges;  ///< of the uncertain set, in its order
+  StabilityVerdict verdict;
+};
+
+struct Stability {
+  /// Shares of the box's volume, which add up to 1 but for roundings. `stable` and `unstable` are 1 only where all is.
+  double stable = 0.0;
+  double unstable = 0.0;
+  double open = 0.0;
+  /// Contains the greatest real part of an eigenvalue, 1/s, for each parameter that is not open: disturbances grow or
+  /// die out no faster, in the end. Reversed infinities where all is open.
+  Enclosure growth{infinity, -infinity};
+  /// Of the whole box where it was proven in one cell, rightmost first; otherwise none.
+  std::vector<EigenvalueEnclosure> eigenvalues;
+  std::vector<StabilityCell> cells;
+  bool interrupted = false;  ///< what was not looked at is open
+};
+
+/// Where joints are `held`, the PID controllers' integral parts hold them where the file has them, and all their parts
+/// act on disturbances; where control is `proportional`, the integral parts are absent.
+using StabilityOptions = EquilibriumOptions;
+
+/// Of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with masses, inertia,
+/// gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The bristles hold the feet
+/// where they are: the same body may stand elsewhere on the level ground, too. How large a disturbance may be is not
+/// said. Throws Error(input) as `equilibrium`, and for a root that cannot move along each of x, y and z, an applied
+/// force that varies with time, cylinders without bristles or static friction and, with `held`, joints without an
+/// integral part, which nothing would hold.
+[[nodiscard]] Stability stability(const Model& model, UncertainSet uncertain, const StabilityOptions& options);
 
 }  // namespace verisq::stance

@@ -1,18 +1,25 @@
-/// Prepares the surface of a bone or a cavity from a point cloud or a damaged mesh: the steps of the paper's Figure 4.
-/// Only in builds with CGAL, whose parts used here are under the GPL (CMake option VERISQ_SURFACE; link
-/// verisq::surface). All numbers are floating point: nothing here is an enclosure.
+/// Closed surfaces of clouds, damaged meshes and labelled volumes, and canals.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
+#include <verisq/files.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
-#include <verisq/plane.hpp>
+#include <verisq/model.hpp>
 
 namespace verisq {
+
+// Prepares the surface of a bone or a cavity from a point cloud or a damaged mesh: the steps of the paper's Figure 4.
+// Only in builds with CGAL, whose parts used here are under the GPL (CMake option VERISQ_SURFACE; link
+// verisq::surface). All numbers are floating point: nothing here is an enclosure.
 
 enum class SurfaceMethod {
   given,        ///< the triangles of the input, turned alike
@@ -72,5 +79,70 @@ struct SurfaceCheck {
 /// Whether `surface` is what the commands that read it expect; of no points the farthest is at 0. Precondition: it has
 /// triangles.
 [[nodiscard]] SurfaceCheck check_surface(const Mesh& surface, std::span<const Point> points);
+
+// The surface of a label of a segmented volume. Only in builds with CGAL, as `surface.hpp`. All numbers are floating
+// point: nothing here is an enclosure, and nobody knows better than to about a voxel where the tissue ends.
+
+struct LabelSurface {
+  Mesh mesh;                       ///< closed, manifold, outward: of the label's parts the one of the largest area
+  std::size_t parts_left_out = 0;  ///< other parts, and voids inside
+  std::uint64_t voxels = 0;        ///< of the label
+  /// Voxels of the label in the outermost layer of the volume, beyond which nobody looked: the surface is closed there.
+  std::uint64_t voxels_at_border = 0;
+};
+
+/// Where the label's share of the neighbourhood is a half: the label as 1 and 0 is weighed with a Gaussian of 0.7
+/// voxels along each axis of the volume, and the level surface is marched through tetrahedra between the voxels'
+/// centres. A ball of radius r voxels shrinks by 0.5/r of a voxel; what is thinner than a voxel may be lost. Throws
+/// Error(input) where no voxel has the label, or nothing of it is left.
+[[nodiscard]] LabelSurface label_surface(const LabelVolume& volume, std::uint16_t label);
+
+// The canal of a bone of which the outer surface and the thickness of the cortex are known. Only in builds with CGAL,
+// as `surface.hpp`. All numbers are floating point: nothing here is an enclosure, and the thickness is what the caller
+// says, not what the patient has.
+
+/// How thick the cortex is at a height, the position along an axis.
+struct ThicknessAtHeight {
+  double height;
+  double thickness;
+};
+
+/// Linear between heights, constant beyond the first and the last.
+struct CorticalThickness {
+  /// At least one; heights ascend, thicknesses are at least 0. Of a single one the height does not matter.
+  std::vector<ThicknessAtHeight> at;
+  Point axis{0.0, 0.0, 1.0};  ///< of any length but 0: a height is x . axis / |axis|
+
+  [[nodiscard]] double operator()(const Point& x) const;
+};
+
+struct CanalOptions {
+  CorticalThickness thickness;
+  /// The distance of the samples, the size of what is not seen; nothing: a 200th of the longest side of the bone's box,
+  /// or half of the least positive thickness where that is less. Positive.
+  std::optional<double> spacing = std::nullopt;
+};
+
+struct Canal {
+  Mesh mesh;                       ///< closed, manifold, outward
+  double spacing;                  ///< used
+  std::size_t parts_left_out = 0;  ///< where the bone is thinner than two cortices the canal falls apart
+  std::size_t rims_closed = 0;     ///< of the bone
+};
+
+/// The points inside `bone` that are at least as far from its triangles as the cortex is thick at their height; of
+/// several parts the one of the largest area. An open bone is closed over its rims first, and there the canal ends
+/// without a cortex. Throws Error(input) where `bone` has no inside, or nothing is left of it.
+[[nodiscard]] Canal canal_of(const Mesh& bone, const CanalOptions& options);
+
+struct WallCheck {
+  double least = 0.0;  ///< distance of a vertex of the canal from the bone's surface
+  double mean = 0.0;
+  double largest = 0.0;
+  double largest_error = 0.0;  ///< of such a distance, to what the thickness asks for
+};
+
+/// Of the vertices of `canal`, smoothed or not. Precondition: both have triangles.
+[[nodiscard]] WallCheck check_wall(const Mesh& canal, const Mesh& bone, const CorticalThickness& thickness);
 
 }  // namespace verisq

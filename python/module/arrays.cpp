@@ -1,6 +1,4 @@
 /// What makes an array readable in place, and the copies of all others.
-#include "python/module/arrays.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,8 @@
 #include <cstring>
 #include <string>
 #include <verisq/error.hpp>
+
+#include "python/module/module.hpp"
 
 namespace verisq::python {
 namespace {

@@ -1,29 +1,34 @@
-/// Whole meshes, between their vertices too: how near they come to a model, and on which side of it they lie.
+/// Whole meshes and a model: how near they come, on which side they lie, how far apart the surfaces are.
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
-#include <verisq/containment.hpp>
-#include <verisq/mesh_clearance.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/device.hpp>
+#include <verisq/recovery.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
 template <>
 inline constexpr std::size_t member_count<PointAcross> = 2;
 template <>
-inline constexpr std::size_t member_count<ContainmentProof> = 9;
+inline constexpr std::size_t member_count<CommonPoint> = 2;
+template <>
+inline constexpr std::size_t member_count<ContainmentCertificate> = 2;
+template <>
+inline constexpr std::size_t member_count<ContainmentProof> = 11;
 
 namespace {
 
@@ -63,7 +68,7 @@ py::array_t<std::uint32_t> triangles_too_deep(const MeshClearance& self) {
   return result;
 }
 
-std::string representation(const MeshClearance& self) {
+std::string representation_of_clearance(const MeshClearance& self) {
   return fmt::format("<verisq.MeshClearance: smallest distance in [{}, {}]>", self.smallest_distance.lo,
                      self.smallest_distance.hi);
 }
@@ -80,6 +85,16 @@ ContainmentProof contained(const PythonModel& model, const PythonMesh& mesh, con
   return without_lock(interruption, [&] { return prove_containment(exact, mesh.mesh, containment, options); });
 }
 
+bool is_containment_proved(const ContainmentProof& self, const PythonModel& model, const PythonMesh& mesh) {
+  const Model& exact = model.exact("is_proved");
+  Interruption interruption;
+  return without_lock(interruption, [&] {
+    const CheckOptions options{.interrupted = interruption.poll()};
+    const ContainmentFinding found = ContainmentChecker(exact, mesh.mesh)(self.containment, self.certificate, options);
+    return self.proven && found.verdict == Verdict::proved;
+  });
+}
+
 void declare_containments(py::module_& module) {
   py::class_<ContainmentProof>(module, "ContainmentProof",
                                "What prove_containment() found; proven False is no proof of the contrary.")
@@ -93,6 +108,10 @@ void declare_containments(py::module_& module) {
       .def_readonly("maybe_with_cavities", &ContainmentProof::maybe_with_cavities,
                     "\"around\": nothing is proven of cavities of the model.")
       .def_readonly("samples", &ContainmentProof::samples, "Distances asked for.")
+      .def(
+          "is_proved", is_containment_proved, py::arg("model"), py::arg("mesh"),
+          "is_proved(model, mesh) -> bool\n\nProves it again, of this model and this mesh, by MPFR and the certificate "
+          "alone.\nRaises Error for meshes that are not closed, or not turned alike all over.")
       .def(pickled<ContainmentProof>());
   module.def("prove_containment", contained, py::arg("model"), py::arg("mesh"), py::arg("where"), py::kw_only(),
              py::arg("most_samples") = py::none(), py::arg("device") = "auto",
@@ -115,7 +134,7 @@ void declare_clearances(py::module_& module) {
                              "float64 (K, 3): of each triangle proven too deep a point that is about as deep as any.")
       .def_property_readonly("triangles_too_deep", triangles_too_deep, "uint32 (K,): these triangles.")
       .def_readonly("samples", &MeshClearance::samples, "Distances asked for.")
-      .def("__repr__", representation)
+      .def("__repr__", representation_of_clearance)
       .def(pickled<MeshClearance>());
   module.def(
       "mesh_clearance", clearance, py::arg("model"), py::arg("mesh"), py::kw_only(), py::arg("path") = py::none(),
@@ -129,6 +148,189 @@ void declare_clearances(py::module_& module) {
       "model units (default: 1e-3 of the bounding_radius), or after about most_samples distances (default\n"
       "2^23). Raises Error for models with intervals and meshes without triangles, and as map().");
   declare_containments(module);
+}
+
+template <>
+inline constexpr std::size_t member_count<DistanceStatistics> = 4;
+template <>
+inline constexpr std::size_t member_count<Deviation> = 12;
+template <>
+inline constexpr std::size_t member_count<DistanceSummary> = 3;
+template <>
+inline constexpr std::size_t member_count<SurfaceProof> = 3;
+template <>
+inline constexpr std::size_t member_count<AreaStatistics> = 2;
+template <>
+inline constexpr std::size_t member_count<DeviationCertificate> = 3;
+
+namespace {
+
+namespace py = pybind11;
+
+std::string representation_of_deviation(const Deviation& self) {
+  if (!self.hausdorff) return "<verisq.Deviation>";
+  return fmt::format("<verisq.Deviation: Hausdorff distance in [{}, {}]>", self.hausdorff->lo, self.hausdorff->hi);
+}
+
+Deviation deviation_of(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
+                       const std::optional<double>& tolerance, const std::vector<double>& percentiles, bool from_model,
+                       bool statistics_of_model, const std::string& device, const std::optional<double>& time_limit) {
+  check_time_limit(time_limit);
+  const Model& exact = model.exact("deviation");
+  const Mesh measured = mesh_or_cloud(mesh);
+  Interruption interruption;
+  DeviationOptions options{.relative_tolerance = relative_tolerance,
+                           .tolerance = tolerance,
+                           .percentiles = percentiles,
+                           .from_model = from_model,
+                           .statistics_of_model = statistics_of_model,
+                           .device = device,
+                           .interrupted = interruption.poll()};
+  Deadline limit(time_limit);
+  limit.start();
+  options.out_of_time = limit.out_of_time();
+  return without_lock(interruption, [&] { return deviation(exact, measured, options); });
+}
+
+/// How far a mesh and a model's surface lie apart, with what proves it again.
+struct PythonCertifiedDeviation {
+  std::vector<double> percents;
+  DistanceSummary of_vertices;
+  std::optional<DistanceSummary> from_mesh;
+  std::optional<Enclosure> from_model;
+  std::optional<AreaStatistics> statistics_from_model;
+  std::optional<Enclosure> hausdorff;
+  DeviationCertificate certificate;
+
+  static constexpr std::size_t members = 7;
+};
+
+PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
+                                   const std::optional<double>& tolerance, const std::vector<double>& percentiles,
+                                   bool from_model, bool statistics_of_model, const std::string& device) {
+  const Model& exact = model.exact("certified_deviation");
+  const Mesh measured = mesh_or_cloud(mesh);
+  Interruption interruption;
+  const DeviationOptions options{.relative_tolerance = relative_tolerance,
+                                 .tolerance = tolerance,
+                                 .percentiles = percentiles,
+                                 .from_model = from_model,
+                                 .statistics_of_model = statistics_of_model,
+                                 .device = device,
+                                 .interrupted = interruption.poll()};
+  CertifiedDeviation found = without_lock(
+      interruption, [&] { return certified_deviation(exact, measured, deviation(exact, measured, options), options); });
+  return {percentiles,
+          found.proven.of_vertices,
+          found.proven.from_mesh,
+          found.proven.from_model,
+          std::move(found.proven.statistics_from_model),
+          found.proven.hausdorff,
+          std::move(found.certificate)};
+}
+
+/// Of a claim, where there is one.
+bool is_claim_proved(const std::optional<Enclosure>& claimed, const std::optional<Enclosure>& proven) {
+  return !claimed || (proven && check(*claimed, *proven).verdict == Verdict::proved);
+}
+
+template <class Summary>
+bool all_proved(const Summary& claimed, const Summary& proven) {
+  return std::ranges::all_of(check(claimed, proven),
+                             [](const Finding& finding) { return finding.verdict == Verdict::proved; });
+}
+
+bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, const py::handle& mesh) {
+  const Model& exact = model.exact("is_proved");
+  const Mesh measured = mesh_or_cloud(mesh);
+  const auto& [vertices, triangles, surface] = self.certificate;
+  if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
+  Interruption interruption;
+  const ProvenDeviation proven = without_lock(interruption, [&] {
+    return DeviationChecker(exact)(measured, self.certificate,
+                                   {.percentiles = self.percents,
+                                    .statistics_of_model = self.statistics_from_model.has_value(),
+                                    .check = {.interrupted = interruption.poll()}});
+  });
+  return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
+         (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh)) &&
+         (!self.statistics_from_model ||
+          (proven.statistics_from_model && all_proved(*self.statistics_from_model, *proven.statistics_from_model))) &&
+         is_claim_proved(self.from_model, proven.from_model) && is_claim_proved(self.hausdorff, proven.hausdorff);
+}
+
+void declare_certified_deviations(py::module_& module) {
+  py::class_<DistanceSummary>(module, "DistanceSummary", "What is proven of the distances of a set of points.")
+      .def_readonly("largest", &DistanceSummary::largest, "Enclosure of the supremum.")
+      .def_readonly("mean", &DistanceSummary::mean, "Enclosure.")
+      .def_readonly("percentiles", &DistanceSummary::percentiles, "Enclosures, as asked for.")
+      .def(pickled<DistanceSummary>());
+  py::class_<AreaStatistics>(module, "AreaStatistics", "What is proven of a surface's distances by area.")
+      .def_readonly("mean", &AreaStatistics::mean, "Enclosure.")
+      .def_readonly("percentiles", &AreaStatistics::percentiles, "Enclosures, as asked for.")
+      .def(pickled<AreaStatistics>());
+  py::class_<PythonCertifiedDeviation>(module, "CertifiedDeviation", "What certified_deviation() proves.")
+      .def_readonly("of_vertices", &PythonCertifiedDeviation::of_vertices, "DistanceSummary of the vertices.")
+      .def_readonly("from_mesh", &PythonCertifiedDeviation::from_mesh, "... of all points of all triangles, or None.")
+      .def_readonly("from_model", &PythonCertifiedDeviation::from_model,
+                    "Enclosure of the model's surface's largest distance from the mesh, or None.")
+      .def_readonly("statistics_from_model", &PythonCertifiedDeviation::statistics_from_model,
+                    "AreaStatistics: mean and percentiles of these distances, or None.")
+      .def_readonly("hausdorff", &PythonCertifiedDeviation::hausdorff,
+                    "Enclosure of the larger of both largest distances, or None.")
+      .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
+           "is_proved(model, mesh) -> bool\n\n"
+           "Proves every number again, of this model and this mesh, by MPFR and the certificates alone.")
+      .def("__repr__",
+           [](const PythonCertifiedDeviation& self) {
+             const auto& [lo, hi] = (self.from_mesh ? *self.from_mesh : self.of_vertices).largest;
+             return fmt::format("<verisq.CertifiedDeviation: largest in [{}, {}]>", lo, hi);
+           })
+      .def(pickled<PythonCertifiedDeviation>());
+  module.def(
+      "certified_deviation", certified, py::arg("model"), py::arg("mesh"), py::kw_only(),
+      py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
+      py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,
+      py::arg("statistics_of_model") = false, py::arg("device") = "auto",
+      "certified_deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
+      "    from_model=True, statistics_of_model=False, device=\"auto\") -> CertifiedDeviation\n\n"
+      "As deviation(), with what proves it again: from the mesh, or points of shape (N, 3), to the model's\n"
+      "surface, where means and percentiles may be wider, and how far that surface lies from the mesh: at most,\n"
+      "and with statistics_of_model in the mean by area, and percentiles.");
+}
+
+}  // namespace
+
+void declare_deviations(py::module_& module) {
+  py::class_<DistanceStatistics>(module, "DistanceStatistics",
+                                 "Of the distances of a set of points: all vertices, or a whole surface, by area.")
+      .def_readonly("largest", &DistanceStatistics::largest, "Enclosure of the supremum.")
+      .def_readonly("farthest", &DistanceStatistics::farthest, "A point of the set about so far away.")
+      .def_readonly("mean", &DistanceStatistics::mean, "Enclosure, or None.")
+      .def_readonly("percentiles", &DistanceStatistics::percentiles, "Enclosures, as asked for; empty without.")
+      .def(pickled<DistanceStatistics>());
+  py::class_<Deviation>(module, "Deviation", "What deviation() proves: distances are Euclidean, not signed.")
+      .def_readonly("hausdorff", &Deviation::hausdorff,
+                    "Enclosure of the larger of both largest distances; None unless both are known.")
+      .def_readonly("of_vertices", &Deviation::of_vertices, "DistanceStatistics: mesh's vertices to the surface.")
+      .def_readonly("from_mesh", &Deviation::from_mesh, "... of all points of all triangles; None of a cloud.")
+      .def_readonly("from_model", &Deviation::from_model, "... of all points of the model's surface to the mesh.")
+      .def_readonly("to_tolerance", &Deviation::to_tolerance, "Whether every enclosure is as narrow as asked for.")
+      .def_readonly("out_of_time", &Deviation::out_of_time, "Whether the limit came before.")
+      .def("__repr__", representation_of_deviation)
+      .def(pickled<Deviation>());
+  module.def("deviation", deviation_of, py::arg("model"), py::arg("mesh"), py::kw_only(),
+             py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
+             py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,
+             py::arg("statistics_of_model") = false, py::arg("device") = "auto", py::arg("time_limit") = py::none(),
+             "deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
+             "    from_model=True, statistics_of_model=False, device=\"auto\", time_limit=None) -> Deviation\n\n"
+             "Encloses how far a mesh (a Mesh, or points of shape (N, 3)) and the model's surface lie apart, both\n"
+             "ways: the two-sided Hausdorff distance, means and percentiles (of the model's surface with\n"
+             "statistics_of_model, which takes longer). Enclosures are at most that share of\n"
+             "their upper end wide, or the tolerance, in model units. Raises Error for models with intervals, meshes\n"
+             "without vertices, and options out of range.");
+  declare_certified_deviations(module);
 }
 
 }  // namespace verisq::python

@@ -1,22 +1,20 @@
-/// verisq.closest_points: boxes of closest points and normals as arrays.
+/// verisq.closest_points and verisq.closest_pairs: boxes of closest points and normals as arrays.
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
-#include <verisq/closest_points.hpp>
+#include <verisq/distance.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_closest_points.hpp"
+#include "python/module/python_map.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
@@ -59,7 +57,7 @@ PythonClosestPoints closest_points_once(const PythonModel& model, const py::hand
   return closest_points_of(SignedDistance(model.exact("closest_points")), object, absolute);
 }
 
-std::string representation(const PythonClosestPoints& self) {
+std::string representation_of_points(const PythonClosestPoints& self) {
   return fmt::format("<verisq.ClosestPointMap: {} rows, {} unique>", self.rows.size(), self.summary.unique);
 }
 
@@ -125,7 +123,7 @@ void declare_closest_points(py::module_& module) {
            "the points are moved: by a translation (three numbers, per model unit), and by a rotation about `centre`\n"
            "(three, per radian about x, y, z). Where the model is moved instead, their negatives.")
       .def("__len__", [](const PythonClosestPoints& self) { return self.rows.size(); })
-      .def("__repr__", representation)
+      .def("__repr__", representation_of_points)
       .def(pickled<PythonClosestPoints>());
 
   module.def("closest_points", closest_points_once, py::arg("model"), py::arg("points"), py::kw_only(),
@@ -135,6 +133,77 @@ void declare_closest_points(py::module_& module) {
              "proven to contain them, with the host's processors. The tolerance is that of map(), for distances of\n"
              "points whose closest point is not proven. Raises Error for models with intervals and points that are "
              "not finite.");
+}
+
+namespace {
+
+namespace py = pybind11;
+
+struct PythonClosestPairs {
+  std::vector<ClosestPoints> rows;
+  ClosestPointSummary summary;
+
+  static constexpr std::size_t members = 2;
+};
+
+PythonClosestPairs closest_pairs_of(const PythonModel& a, const PythonModel& b, const py::handle& object) {
+  check_units(a, b);
+  const std::vector<Pose> queries = poses(object, "poses");
+  const PairDistance distance(a.exact("closest_pairs"), b.exact("closest_pairs"));
+  PythonClosestPairs found{std::vector<ClosestPoints>(queries.size()), {}};
+  Interruption interruption;
+  found.summary =
+      without_lock(interruption, [&] { return closest_points(distance, queries, found.rows, interruption.poll()); });
+  return found;
+}
+
+/// The boxes of one of the models: an array (rows, 3, 2).
+auto boxes(EnclosedPoint ClosestPoints::*member) {
+  return [member](const PythonClosestPairs& self) {
+    py::array_t<double> result({self.rows.size(), std::size_t{3}, std::size_t{2}});
+    double* to = result.mutable_data();
+    for (const ClosestPoints& row : self.rows) {
+      for (const Enclosure& coordinate : row.*member) {
+        *to++ = coordinate.lo;
+        *to++ = coordinate.hi;
+      }
+    }
+    return result;
+  };
+}
+
+py::array_t<bool> unique(const PythonClosestPairs& self) {
+  py::array_t<bool> result(static_cast<py::ssize_t>(self.rows.size()));
+  bool* to = result.mutable_data();
+  for (const ClosestPoints& row : self.rows) *to++ = row.unique;
+  return result;
+}
+
+std::string representation_of_pairs(const PythonClosestPairs& self) {
+  return fmt::format("<verisq.ClosestPairMap: {} rows, {} unique>", self.rows.size(), self.summary.unique);
+}
+
+}  // namespace
+
+void declare_closest_pairs(py::module_& module) {
+  py::class_<PythonClosestPairs>(
+      module, "ClosestPairMap",
+      "What closest_pairs() returns: row i of each array is that of pose i. Boxes are arrays whose last axis is lo, "
+      "hi,\n"
+      "in the frame of model a. They contain every pair of closest points; infinite where the models are not proven to "
+      "be\napart.")
+      .def_property_readonly("on_a", boxes(&ClosestPoints::on_a), "float64 (N, 3, 2): of the points of model a.")
+      .def_property_readonly("on_b", boxes(&ClosestPoints::on_b), "float64 (N, 3, 2): of the points of model b.")
+      .def_property_readonly("unique", unique, "bool (N,): proven that there is exactly one pair of closest points.")
+      .def("__len__", [](const PythonClosestPairs& self) { return self.rows.size(); })
+      .def("__repr__", representation_of_pairs)
+      .def(pickled<PythonClosestPairs>());
+  module.def(
+      "closest_pairs", closest_pairs_of, py::arg("a"), py::arg("b"), py::arg("poses"),
+      "closest_pairs(a, b, poses) -> ClosestPairMap\n\nWhere model a and model b, moved by each pose of an array "
+      "(N, 7), are closest: boxes that are proven\nto contain the closest points, by the host's processors; some "
+      "milliseconds a pose. Distances: map_poses().\nRaises Error for models with intervals, bends or set "
+      "operations, and units that differ.");
 }
 
 }  // namespace verisq::python

@@ -4,8 +4,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,27 +15,20 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/certified_best_fit.hpp>
-#include <verisq/certified_contact.hpp>
 #include <verisq/checker.hpp>
-#include <verisq/clearance_claim.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/fit_problem.hpp>
+#include <verisq/fit_bound.hpp>
 #include <verisq/fit_solution.hpp>
-#include <verisq/posed_model.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/certified_bound.hpp"
-#include "python/module/certified_contact.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
-#include "python/module/landmarks.hpp"
+#include "python/module/certified_fit.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_map.hpp"
-#include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
@@ -52,7 +43,7 @@ inline constexpr std::size_t member_count<FitMovement> = 3;
 template <>
 inline constexpr std::size_t member_count<FitFinalist> = 7;
 template <>
-inline constexpr std::size_t member_count<Fit> = 12;
+inline constexpr std::size_t member_count<Fit> = 13;
 template <>
 inline constexpr std::size_t member_count<PromisingPose> = 3;
 template <>
@@ -68,7 +59,7 @@ inline constexpr std::size_t member_count<ContactAreas> = 5;
 template <>
 inline constexpr std::size_t member_count<FitCondition> = 6;
 template <>
-inline constexpr std::size_t member_count<FitProof> = 7;
+inline constexpr std::size_t member_count<FitProof> = 8;
 
 namespace {
 
@@ -207,15 +198,17 @@ struct FoundFit {
 class FitRun {
  public:
   FitRun(const FitProblem& problem, Interruption& interruption, const std::optional<double>& gap, double bound_time,
-         const std::optional<double>& tolerance, bool certificates)
+         const std::optional<double>& time_limit, const std::optional<double>& tolerance, bool certificates)
       : problem_(problem),
         interrupted_(interruption.poll()),
         gap_(gap),
-        bound_time_(bound_time),
+        bound_limit_(bound_time),
+        limit_(time_limit, interrupted_),
         tolerance_(tolerance),
         certificates_(certificates) {}
 
   FoundFit operator()() {
+    limit_.start();
     FoundFit found{.solution = solve_fit(problem_, options()),
                    .proof = {},
                    .rows = {},
@@ -233,20 +226,21 @@ class FitRun {
                             {.tolerance = found.tolerance,
                              .device = problem_.options.device,
                              .certificates = certificates_,
-                             .interrupted = interrupted_},
+                             .interrupted = interrupted_,
+                             .out_of_time = limit_.out_of_time()},
                             sink);
     if (certificates_ && found.solution.bound) found.best = certified_bound(*found.solution.bound);
-    if (certificates_ && found.proof.contact)
-      found.contact = certified_contact(problem_, found.solution.fit, found.proof, interrupted_);
+    if (certificates_ && found.proof.contact) {
+      found.contact = certified_contact(problem_, found.solution.fit, found.proof, limit_.stop());
+      if (found.contact->proven.interrupted) found.contact.reset();
+    }
     return found;
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   [[nodiscard]] std::optional<CertifiedBestFit> certified_bound(const FitBound& bound) const {
     CheckOptions check;
-    check.interrupted = interrupted_;
+    check.interrupted = limit_.stop();
     const FitOptions& options = problem_.options;
     return certified_best_fit(problem_.series, problem_.cavity,
                               {options.fitness, options.penetration_limit, options.range}, bound, check);
@@ -255,21 +249,19 @@ class FitRun {
   /// The time of the bound begins when a first pose is found.
   FitSolutionOptions options() {
     FitSolutionOptions result{.gap = gap_, .interrupted = interrupted_};
-    result.found = [this](const Fit&) {
-      const std::chrono::duration<double> limit(bound_time_);
-      end_ = Clock::now().time_since_epoch() + std::chrono::duration_cast<Clock::duration>(limit);
-    };
-    result.out_of_time = [this] { return Clock::now().time_since_epoch() >= end_.load(); };
+    result.found = [this](const Fit&) { bound_limit_.start(); };
+    result.out_of_time = bound_limit_.out_of_time();
+    result.search_out_of_time = limit_.out_of_time();
     return result;
   }
 
   const FitProblem& problem_;
   std::function<bool()> interrupted_;
   std::optional<double> gap_;
-  double bound_time_;
+  Deadline bound_limit_;
+  Deadline limit_;
   std::optional<double> tolerance_;
   bool certificates_;
-  std::atomic<Clock::duration> end_{Clock::duration::max()};
 };
 
 PythonCertifiedContact contact_with_names(const FitProblem& problem, CertifiedContact contact) {
@@ -280,14 +272,15 @@ PythonCertifiedContact contact_with_names(const FitProblem& problem, CertifiedCo
 }
 
 PythonFit solved(FitRequest request, const std::optional<double>& bound, double bound_time,
-                 const std::optional<double>& tolerance, bool certificates) {
+                 const std::optional<double>& time_limit, const std::optional<double>& tolerance, bool certificates) {
   check_ranges(request);
   check_time_limit(bound_time);
+  check_time_limit(time_limit);
   if (tolerance) check_length(*tolerance, "tolerance");
   const std::optional<double> gap = gap_of(bound);
   Interruption interruption;
   const FitProblem problem = without_lock(interruption, [&] { return fit_problem(std::move(request)); });
-  FitRun run(problem, interruption, gap, bound_time, tolerance, certificates);
+  FitRun run(problem, interruption, gap, bound_time, time_limit, tolerance, certificates);
   FoundFit found = without_lock(interruption, [&] { return run(); });
   const Fit& fit = found.solution.fit;
   const bool as_asked = is_as_asked(problem, found.solution, found.proof, gap);
@@ -339,7 +332,7 @@ bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
     bool all = true;
     for (std::size_t i = 0; i < vertices.size() && !interrupted(); ++i) {
       const auto row = static_cast<py::ssize_t>(i);
-      const Finding found = checker(vertices[i], {lo(row), hi(row)}, certificates[i]);
+      const Finding found = checker(vertices[i], {lo(row), hi(row)}, certificates[i], interrupted);
       all = all && found.verdict == Verdict::proved;
       proven.push_back(found.proven);
     }
@@ -358,9 +351,9 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
                  const std::optional<double>& gap, const std::optional<double>& gap_tolerance, double penetration_limit,
                  const std::optional<std::string>& on, const py::object& pose_start,
                  const std::optional<double>& translation_range, double rotation_range, const py::object& labels,
-                 const Weights& weights, const std::optional<double>& bound, double bound_time, std::uint64_t seed,
-                 std::size_t samples, const std::optional<double>& tolerance, bool certificates,
-                 const std::string& device) {
+                 const Weights& weights, const std::optional<double>& bound, double bound_time,
+                 const std::optional<double>& time_limit, std::uint64_t seed, std::size_t samples,
+                 const std::optional<double>& tolerance, bool certificates, const std::string& device) {
   FitRequest request{.implants = implants_of(implants),
                      .mesh_name = "mesh",
                      .mesh = mesh.mesh,
@@ -388,7 +381,7 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
   request.labelled = labelled(labels, request.mesh, request.weights);
   if (certificates && request.resection)
     throw py::value_error("certificates: not with a resection: cut the mesh first");
-  return solved(std::move(request), bound, bound_time, tolerance, certificates);
+  return solved(std::move(request), bound, bound_time, time_limit, tolerance, certificates);
 }
 
 py::array_t<double> pose_array(const PythonFit& self) {
@@ -506,29 +499,14 @@ void declare_conditions(py::module_& module) {
       .def(pickled<FitTrial>());
 }
 
-void declare_class_of_fits(py::module_& module) {
-  const auto searched = [](auto Fit::*member) {
-    return [member](const PythonFit& self) { return self.solution.fit.*member; };
-  };
+using FitClass = py::class_<PythonFit>;
+
+/// Proven distances, sides, changes and contact.
+void declare_proof(FitClass& fit) {
   const auto proven = [](auto Clearance::*member) {
     return [member](const PythonFit& self) { return self.proof.clearance.*member; };
   };
-  const auto moved = [](auto FitMovement::*member) {
-    return [member](const PythonFit& self) { return self.solution.fit.movement.*member; };
-  };
-  py::class_<PythonFit>(module, "Fit",
-                        "What fit() found, by a search that proves nothing, and what is proven of it: everything but\n"
-                        "pose, implant, searched_objective, moved_centre, moved_rotation, at_limits.")
-      .def_readonly("model", &PythonFit::model, "The implant with its chosen sizes, in its place: what is proven of.")
-      .def_property_readonly("pose", pose_array, "float64 (7,): translation and quaternion, after the implant's own.")
-      .def_property_readonly("implant", searched(&Fit::implant), "Which of the series.")
-      .def_property_readonly("searched_objective", searched(&Fit::objective), "By the search's own reckoning.")
-      .def_property_readonly("moved_centre", moved(&FitMovement::centre), "From the start, in model units.")
-      .def_property_readonly("moved_rotation", moved(&FitMovement::rotation_degrees),
-                             "A rotation vector about that centre, in degrees.")
-      .def_property_readonly("at_limits", moved(&FitMovement::at_limits), "Which ranges ended the search.")
-      .def_readonly("map", &PythonFit::map, "Map of the distances of all vertices (cut at the resection).")
-      .def_property_readonly("objective", proven(&Clearance::objective), "Enclosure of F, the paper's Eq. (4).")
+  fit.def_property_readonly("objective", proven(&Clearance::objective), "Enclosure of F, the paper's Eq. (4).")
       .def_property_readonly("smallest_distance", proven(&Clearance::smallest_distance), "Enclosure, of all vertices.")
       .def_property_readonly("deepest_penetration", proven(&Clearance::deepest_penetration),
                              "Enclosure, of all vertices; [0, 0] where all are proven outside.")
@@ -551,10 +529,14 @@ void declare_class_of_fits(py::module_& module) {
                              "AreaWithin; None for a mesh without triangles.")
       .def_property_readonly(
           "conditions", [](const PythonFit& self) { return self.proof.conditions; },
-          "A list of FitCondition: all that was asked.")
-      .def_property_readonly(
-          "finalists", [](const PythonFit& self) { return self.solution.trials; },
-          "A list of FitTrial: what else was found.")
+          "A list of FitCondition: all that was asked.");
+}
+
+/// Other finds, and how good a fit could be.
+void declare_trials(FitClass& fit) {
+  fit.def_property_readonly(
+         "finalists", [](const PythonFit& self) { return self.solution.trials; },
+         "A list of FitTrial: what else was found.")
       .def_property_readonly(
           "bound", [](const PythonFit& self) { return self.solution.bound; }, "FitBound, or None.")
       .def_readonly("certified_bound", &PythonFit::certified_bound,
@@ -565,16 +547,46 @@ void declare_class_of_fits(py::module_& module) {
       .def_property_readonly(
           "gap", [](const PythonFit& self) { return self.proof.gap; },
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
-      .def_readonly("as_asked", &PythonFit::as_asked,
-                    "Every row verified, nothing proven too deep, sides, features and contact kept, the bound reached.")
-      .def("is_proved", is_proved, py::arg("mesh"),
-           "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
-           "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
-           "the\nnumbers of all areas; and the sides that are \"proven\"; of the bound certified_bound, of contact "
-           "certified_contact.\n"
-           "Changes and surface have no certificates. Raises ValueError without certificates, and for a mesh of other "
-           "vertices than the "
-           "fit's.")
+      .def_property_readonly(
+          "unfinished", [](const PythonFit& self) { return self.proof.unfinished; },
+          "What time_limit left unproven: some of \"vertices\", \"surface\", \"sides\", \"contact\".")
+      .def_property_readonly(
+          "out_of_time", [](const PythonFit& self) { return self.solution.fit.out_of_time; },
+          "Whether time_limit ended the search.")
+      .def_readonly(
+          "as_asked", &PythonFit::as_asked,
+          "Every row verified, nothing proven too deep, sides, features and contact kept, the bound reached.");
+}
+
+void declare_class_of_fits(py::module_& module) {
+  const auto searched = [](auto Fit::*member) {
+    return [member](const PythonFit& self) { return self.solution.fit.*member; };
+  };
+  const auto moved = [](auto FitMovement::*member) {
+    return [member](const PythonFit& self) { return self.solution.fit.movement.*member; };
+  };
+  FitClass fit(module, "Fit",
+               "What fit() found, by a search that proves nothing, and what is proven of it: everything but\n"
+               "pose, implant, searched_objective, moved_centre, moved_rotation, at_limits.");
+  fit.def_readonly("model", &PythonFit::model, "The implant with its chosen sizes, in its place: what is proven of.")
+      .def_property_readonly("pose", pose_array, "float64 (7,): translation and quaternion, after the implant's own.")
+      .def_property_readonly("implant", searched(&Fit::implant), "Which of the series.")
+      .def_property_readonly("searched_objective", searched(&Fit::objective), "By the search's own reckoning.")
+      .def_property_readonly("moved_centre", moved(&FitMovement::centre), "From the start, in model units.")
+      .def_property_readonly("moved_rotation", moved(&FitMovement::rotation_degrees),
+                             "A rotation vector about that centre, in degrees.")
+      .def_property_readonly("at_limits", moved(&FitMovement::at_limits), "Which ranges ended the search.")
+      .def_readonly("map", &PythonFit::map, "Map of the distances of all vertices (cut at the resection).");
+  declare_proof(fit);
+  declare_trials(fit);
+  fit.def("is_proved", is_proved, py::arg("mesh"),
+          "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
+          "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
+          "the\nnumbers of all areas; and the sides that are \"proven\"; of the bound certified_bound, of contact "
+          "certified_contact.\n"
+          "Changes and surface have no certificates. Raises ValueError without certificates, and for a mesh of other "
+          "vertices than the "
+          "fit's.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
 }
@@ -596,14 +608,15 @@ void declare_fits(py::module_& module) {
       py::arg("gap") = py::none(), py::arg("gap_tolerance") = py::none(), py::arg("penetration_limit") = 0.0,
       py::arg("on") = py::none(), py::arg("pose_start") = py::none(), py::arg("translation_range") = py::none(),
       py::arg("rotation_range") = 30.0, py::arg("labels") = py::none(), py::arg("weights") = Weights(),
-      py::arg("bound") = py::none(), py::arg("bound_time") = 300.0, py::arg("seed") = 1, py::arg("samples") = 4096,
-      py::arg("tolerance") = py::none(), py::arg("certificates") = false, py::arg("device") = "auto",
+      py::arg("bound") = py::none(), py::arg("bound_time") = 300.0, py::arg("time_limit") = py::none(),
+      py::arg("seed") = 1, py::arg("samples") = 4096, py::arg("tolerance") = py::none(),
+      py::arg("certificates") = false, py::arg("device") = "auto",
       "fit(implants, mesh, *, surface=None, resection=None, crossing=(), outside=(), landmarks=None,\n"
       "    landmark_side=None, landmark_radius=0.0, keep={}, objective=\"fitness\", implant_contact=False,\n"
       "    completion=\"cementless\", gap=None, gap_tolerance=None, penetration_limit=0.0, on=None, pose_start=None,\n"
       "    translation_range=None, rotation_range=30.0, labels=None, weights={}, bound=None, bound_time=300.0, "
-      "seed=1,\n"
-      "    samples=4096, tolerance=None, certificates=False, device=\"auto\") -> Fit\n\n"
+      "time_limit=None,\n"
+      "    seed=1, samples=4096, tolerance=None, certificates=False, device=\"auto\") -> Fit\n\n"
       "Searches for the pose and the sizes of an implant, a Model or a series of them, that serve the vertices of a\n"
       "Mesh best, and proves what it found. Semi-axes that are intervals are sizes to choose from, of unions without\n"
       "bends. Lengths are in the implants' units.\n\n"
@@ -626,6 +639,7 @@ void declare_fits(py::module_& module) {
       "labels: integers (N,), the area of each vertex; None: the boxes of the implants' files. weights: of areas, by\n"
       "    their names.\n"
       "bound, bound_time: asks for a proof that no pose is better by more than so many percent; seconds for it.\n"
+      "time_limit: seconds, for search, bound and proofs; then what is open stays so: Fit.unfinished.\n"
       "seed, samples: the same seed on the same device gives the same pose; poses sampled first.\n"
       "tolerance: of the map, default 1e-6 of the fitted model's bounding_radius.\n"
       "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker, the bound, and the mesh's\n"

@@ -10,22 +10,13 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/bone_region.hpp>
-#include <verisq/certified_insertion.hpp>
-#include <verisq/certified_removed_volume.hpp>
-#include <verisq/certified_way_surface.hpp>
 #include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
-#include <verisq/removed_volume.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_map.hpp"
-#include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
@@ -119,7 +110,8 @@ bool is_proved(const CertifiedWay& self, const PythonModel& implant, const py::h
     const InsertionChecker checker(exact, way);
     for (std::size_t i = 0; i < bone.size(); ++i) {
       const auto row = static_cast<py::ssize_t>(i);
-      if (interrupted() || checker(bone[i], {lo(row), hi(row)}, self.certificates[i]).verdict != Verdict::proved)
+      if (interrupted() ||
+          checker(bone[i], {lo(row), hi(row)}, self.certificates[i], interrupted).verdict != Verdict::proved)
         return false;
     }
     return true;
@@ -182,7 +174,7 @@ bool is_clearance_proved(const CertifiedMeshClearance& self, const PythonModel& 
     std::vector<Enclosure> proven;
     for (std::size_t i = 0; i < bone.vertices.size() && !interrupted(); ++i) {
       const auto row = static_cast<py::ssize_t>(i);
-      const Finding finding = checker(bone.vertices[i], {lo(row), hi(row)}, self.vertices.certificates[i]);
+      const Finding finding = checker(bone.vertices[i], {lo(row), hi(row)}, self.vertices.certificates[i], interrupted);
       if (finding.verdict != Verdict::proved) return false;
       proven.push_back(finding.proven);
     }
@@ -200,7 +192,7 @@ NamedMesh named(const char* name, const py::handle& mesh) {
 BoneRegion bone_region(const py::object& cavity, const py::object& within, const py::object& bone,
                        const std::optional<Plane>& resection) {
   if (cavity.is_none() == bone.is_none()) throw py::value_error("give either cavity or bone, which say where bone is");
-  if (!within.is_none() && cavity.is_none()) throw Error(ErrorKind::input, "--within: only with --cavity");
+  if (!within.is_none() && cavity.is_none()) throw Error(ErrorKind::input, "`within`: only with `cavity`");
   if (cavity.is_none()) return bone_inside(named("bone", bone), resection);
   std::optional<NamedMesh> outer;
   if (!within.is_none()) outer = named("within", within);
@@ -265,9 +257,7 @@ std::string representation(const RemovedVolume& self) {
   return fmt::format("<verisq.RemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
 }
 
-}  // namespace
-
-void declare_insertions(py::module_& module) {
+void declare_removed_volumes(py::module_& module) {
   py::class_<RemovedVolume>(module, "RemovedVolume", "What removed_volume() proves.")
       .def_readonly("volume", &RemovedVolume::volume,
                     "Enclosure of the volume of all bone that lies in the implant at some time, in cubic model units.")
@@ -288,6 +278,9 @@ void declare_insertions(py::module_& module) {
              return fmt::format("<verisq.CertifiedRemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
            })
       .def(pickled<CertifiedRemovedVolume>());
+}
+
+void declare_ways(py::module_& module) {
   module.def("straight_path", straight, py::arg("direction"), py::arg("length"), py::kw_only(),
              py::arg("last") = py::none(), py::arg("steps") = 1,
              "straight_path(direction, length, *, last=None, steps=1) -> array\n\n"
@@ -321,6 +314,9 @@ void declare_insertions(py::module_& module) {
       py::arg("tolerance") = py::none(), py::arg("device") = "auto",
       "certified_map_along(implant, points, path, *, tolerance=None, device=\"auto\") -> CertifiedWay\n\n"
       "As map_along(), of a union of convex primitives, with what proves each row again. Rows are mostly tighter.");
+}
+
+void declare_clearances_along(py::module_& module) {
   py::class_<CertifiedMeshClearance>(module, "CertifiedMeshClearance", "What certified_mesh_clearance() proves.")
       .def_readonly("smallest_distance", &CertifiedMeshClearance::smallest_distance,
                     "Enclosure: as MeshClearance.smallest_distance, along the whole path.")
@@ -342,6 +338,9 @@ void declare_insertions(py::module_& module) {
       "certified_mesh_clearance(implant, mesh, path, *, tolerance=None, device=\"auto\") -> CertifiedMeshClearance\n\n"
       "The smallest distance of all points of all triangles along the path, as mesh_clearance(implant, mesh,\n"
       "path=path), of a union of convex primitives, with what proves it again.");
+}
+
+void declare_volumes_of_ways(py::module_& module) {
   module.def(
       "removed_volume", volume, py::arg("implant"), py::arg("path"), py::kw_only(), py::arg("cavity") = py::none(),
       py::arg("within") = py::none(), py::arg("bone") = py::none(), py::arg("resection") = py::none(),
@@ -360,6 +359,15 @@ void declare_insertions(py::module_& module) {
              "certified_removed_volume(implant, path, *, cavity=None, within=None, bone=None, resection=None,\n"
              "    relative_tolerance=None) -> CertifiedRemovedVolume\n\n"
              "As removed_volume(), with what proves the volume again. The volume is what that proves.");
+}
+
+}  // namespace
+
+void declare_insertions(py::module_& module) {
+  declare_removed_volumes(module);
+  declare_ways(module);
+  declare_clearances_along(module);
+  declare_volumes_of_ways(module);
 }
 
 }  // namespace verisq::python

@@ -18,15 +18,13 @@
 #include <thread>
 #include <utility>
 #include <vector>
+#include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_closest_points.hpp"
 #include "python/module/python_map.hpp"
 #include "python/module/python_model.hpp"
 
@@ -138,7 +136,9 @@ class PythonMapper {
   /// `make` makes the library's mapper of these options, without Python's lock.
   template <class Make>
   PythonMapper(const Settings& settings, const Make& make)
-      : settings_(settings), mapper_(without_lock(interruption_, [&] { return make(options()); })) {}
+      : settings_(settings),
+        limit_(settings.time_limit),
+        mapper_(without_lock(interruption_, [&] { return make(options()); })) {}
 
   /// Of one model.
   PythonMapper(const PythonModel& model, const Settings& settings)
@@ -150,7 +150,7 @@ class PythonMapper {
     const std::unique_lock<std::timed_mutex> one_at_a_time = turn();
     const Caller caller(caller_);
     interruption_.reset();
-    start_limit();
+    limit_.start();
     if (settings_.certificates) {
       const auto list = std::make_shared<CertificateList>();
       map.summary = without_lock(interruption_, [&] { return with_certificates(queries, rows, *list); });
@@ -162,8 +162,6 @@ class PythonMapper {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   /// The thread whose turn it is, as long as this lives.
   class Caller {
    public:
@@ -201,19 +199,13 @@ class PythonMapper {
                        .device = settings_.device,
                        .certificates = settings_.certificates,
                        .point_radius = settings_.point_radius,
-                       .interrupted = interruption_.poll()};
+                       .interrupted = interruption_.poll(),
+                       .out_of_time = limit_.out_of_time()};
     if (settings_.pose_uncertainty) {
       options.pose_uncertainty = settings_.pose_uncertainty->bounds();
       options.pose_divisions = settings_.pose_uncertainty->divisions;
     }
-    if (settings_.time_limit) options.out_of_time = [this] { return Clock::now().time_since_epoch() >= end_.load(); };
     return options;
-  }
-
-  void start_limit() {
-    if (!settings_.time_limit) return;
-    const std::chrono::duration<double> limit(*settings_.time_limit);
-    end_ = Clock::now().time_since_epoch() + std::chrono::duration_cast<Clock::duration>(limit);
   }
 
   MapSummary with_certificates(const Queries<Query>& queries, const ResultColumns& rows, CertificateList& list) {
@@ -234,7 +226,7 @@ class PythonMapper {
 
   Settings settings_;
   Interruption interruption_;
-  std::atomic<Clock::duration> end_{Clock::duration::max()};
+  Deadline limit_;  // of each call
   std::timed_mutex calls_;
   std::atomic<std::thread::id> caller_;
   Mapper<Query> mapper_;  // last: its options point to the others
@@ -277,10 +269,11 @@ std::unique_ptr<PythonMapper<Pose>> mapper(const PythonModel& a, const PythonMod
 }
 
 Settings settings_of(const PythonModel& a, const PythonModel& b, const std::optional<double>& tolerance,
-                     const std::string& device, const MaybeUncertain& pose_uncertainty) {
+                     const std::string& device, const MaybeUncertain& pose_uncertainty,
+                     const std::optional<double>& time_limit = {}) {
   check_units(a, b);
   return settings_of(std::max(a.bounding_radius(), b.bounding_radius()), tolerance, device, false, 0.0,
-                     pose_uncertainty);
+                     pose_uncertainty, time_limit);
 }
 
 std::string device_for(std::size_t rows, const std::string& device) {
@@ -340,9 +333,10 @@ PythonMap map(const PythonModel& model, const py::handle& object, const std::opt
 
 PythonMap map_of_poses(const PythonModel& a, const PythonModel& b, const py::handle& object,
                        const std::optional<double>& tolerance, const std::string& device,
-                       const MaybeUncertain& pose_uncertainty) {
+                       const std::optional<double>& time_limit, const MaybeUncertain& pose_uncertainty) {
   const Queries<Pose> queries(object);
-  const Settings settings = settings_of(a, b, tolerance, device_for(queries.size(), device), pose_uncertainty);
+  const Settings settings =
+      settings_of(a, b, tolerance, device_for(queries.size(), device), pose_uncertainty, time_limit);
   return (*mapper(a, b, settings))(queries);
 }
 
@@ -376,10 +370,7 @@ void declare_map(py::module_& module, const char* name, const char* queries, con
              py::arg("certificates") = false, py::arg("pose_uncertainty") = py::none(), explanation);
 }
 
-}  // namespace
-
-void declare_maps(py::module_& module) {
-  declare_pose_uncertainty(module);
+void declare_mappers(py::module_& module) {
   declare_mapper<PythonPointMapper, Point>(
       module, "Mapper",
       "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False,\n"
@@ -410,6 +401,13 @@ void declare_maps(py::module_& module) {
            py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
            py::arg("pose_uncertainty") = py::none())
       .def("__call__", call<Pose>, py::arg("poses"));
+}
+
+}  // namespace
+
+void declare_maps(py::module_& module) {
+  declare_pose_uncertainty(module);
+  declare_mappers(module);
   declare_map<Point>(
       module, "map", "points",
       "map(model, points, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
@@ -435,14 +433,17 @@ void declare_maps(py::module_& module) {
       "    certificates=False, pose_uncertainty=None) -> Map\n\n"
       "Encloses the distance of each whole triangle to the model, 0 where they meet. triangles: shape (N, 3, 3), the\n"
       "corners; of a mesh: mesh.vertices[mesh.triangles]. They are copied. Otherwise as map().");
-  module.def("map_poses", map_of_poses, py::arg("a"), py::arg("b"), py::arg("poses"), py::kw_only(),
-             py::arg("tolerance") = py::none(), py::arg("device") = "auto", py::arg("pose_uncertainty") = py::none(),
-             "map_poses(a, b, poses, *, tolerance=None, device=\"auto\", pose_uncertainty=None) -> Map\n\n"
-             "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
-             "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
-             "to R x + t. They are copied. pose_uncertainty: how well each place of b is known, in b's coordinates. "
-             "Default tolerance: 1e-6 of the larger bounding_radius. Models with bends or set\n"
-             "operations are searched, pose by pose on all processors. Raises Error as map().");
+  module.def(
+      "map_poses", map_of_poses, py::arg("a"), py::arg("b"), py::arg("poses"), py::kw_only(),
+      py::arg("tolerance") = py::none(), py::arg("device") = "auto", py::arg("time_limit") = py::none(),
+      py::arg("pose_uncertainty") = py::none(),
+      "map_poses(a, b, poses, *, tolerance=None, device=\"auto\", time_limit=None, pose_uncertainty=None) -> Map\n\n"
+      "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
+      "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
+      "to R x + t. They are copied. pose_uncertainty: how well each place of b is known, in b's coordinates. "
+      "Default tolerance: 1e-6 of the larger bounding_radius. Models with bends or set\n"
+      "operations are searched, pose by pose on all processors. time_limit: seconds; then what is open stays valid,\n"
+      "and wide. Raises Error as map().");
 }
 
 }  // namespace verisq::python

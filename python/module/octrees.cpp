@@ -15,15 +15,13 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/device.hpp>
 #include <verisq/octree.hpp>
-#include <verisq/octree_checker.hpp>
-#include <verisq/octree_file.hpp>
 
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
@@ -49,11 +47,15 @@ struct PythonOctree {
 };
 
 PythonOctree octree(const PythonModel& model, const std::optional<int>& depth, const std::optional<double>& tolerance,
-                    const std::optional<std::size_t>& budget, const std::string& device) {
+                    const std::optional<std::size_t>& budget, const std::string& device,
+                    const std::optional<double>& time_limit) {
+  check_time_limit(time_limit);
   if (depth && tolerance) throw py::value_error("give either depth or tolerance");
   const Model& exact = model.exact("octree");
   Interruption interruption;
-  OctreeOptions options{.device = device, .interrupted = interruption.poll()};
+  Deadline limit(time_limit, interruption.poll());
+  limit.start();
+  OctreeOptions options{.device = device, .interrupted = limit.stop()};
   if (depth) options.depth = *depth;
   if (tolerance) {
     check_length(*tolerance, "tolerance");
@@ -67,7 +69,8 @@ PythonOctree octree(const PythonModel& model, const std::optional<int>& depth, c
       result.cubes.insert(result.cubes.end(), cubes.begin(), cubes.end());
     });
   });
-  result.complete = !result.summary.budget_hit && (!tolerance || verified(result.summary.volume, *tolerance));
+  result.complete = !result.summary.interrupted && !result.summary.budget_hit &&
+                    (!tolerance || verified(result.summary.volume, *tolerance));
   return result;
 }
 
@@ -111,8 +114,8 @@ bool is_proved(const PythonOctree& self, const PythonModel& model) {
   Interruption interruption;
   const auto interrupted = interruption.poll();
   return without_lock(interruption, [&] {
-    return std::ranges::all_of(checker.cubes(),
-                               [&](const ColouredCube& cube) { return !interrupted() && checker.proves(cube); });
+    return std::ranges::all_of(
+        checker.cubes(), [&](const ColouredCube& cube) { return !interrupted() && checker.proves(cube, interrupted); });
   });
 }
 
@@ -121,9 +124,7 @@ std::string representation(const PythonOctree& self) {
   return fmt::format("<verisq.Octree: {} cubes, volume in [{}, {}]>", self.cubes.size(), volume.lo, volume.hi);
 }
 
-}  // namespace
-
-void declare_octrees(py::module_& module) {
+void declare_class_of_octrees(py::module_& module) {
   const auto of_summary = [](auto OctreeSummary::*member) {
     return [member](const PythonOctree& self) { return self.summary.*member; };
   };
@@ -165,6 +166,7 @@ void declare_octrees(py::module_& module) {
                     "Whether the depth is reached, or the volume enclosed to the tolerance.")
       .def_property_readonly("budget_hit", of_summary(&OctreeSummary::budget_hit),
                              "Whether cubes stayed undecided for want of room.")
+      .def_property_readonly("out_of_time", of_summary(&OctreeSummary::interrupted), "Whether time_limit ended it.")
       .def_property_readonly("device", of_summary(&OctreeSummary::device), "The device's name, or \"host\".")
       .def_property_readonly("notice", of_summary(&OctreeSummary::notice),
                              "Why a device was passed over; empty when nothing is to be said.")
@@ -177,14 +179,22 @@ void declare_octrees(py::module_& module) {
       .def("__len__", [](const PythonOctree& self) { return self.cubes.size(); })
       .def("__repr__", representation)
       .def(pickled<PythonOctree>());
+}
+
+}  // namespace
+
+void declare_octrees(py::module_& module) {
+  declare_class_of_octrees(module);
   module.def("octree", octree, py::arg("model"), py::kw_only(), py::arg("depth") = py::none(),
              py::arg("tolerance") = py::none(), py::arg("budget") = py::none(), py::arg("device") = "auto",
-             "octree(model, *, depth=None, tolerance=None, budget=None, device=\"auto\") -> Octree\n\n"
+             py::arg("time_limit") = py::none(),
+             "octree(model, *, depth=None, tolerance=None, budget=None, device=\"auto\", time_limit=None) -> Octree\n\n"
              "Cubes proven inside or outside the model, and its volume between those inside and all that are not\n"
              "outside.\n\n"
              "depth: cubes are split up to this level, 0 to 20 (default 7). Or\n"
              "tolerance: until the volume's enclosure is at most so wide, in cubic model units.\n"
-             "budget: most undecided cubes of a level (default 4194304): bounds the memory.\n\n"
+             "budget: most undecided cubes of a level (default 4194304): bounds the memory.\n"
+             "time_limit: in seconds; then all that is left stays undecided.\n\n"
              "Raises ValueError for both depth and tolerance, Error for models with intervals, options out of range,\n"
              "and as `verisq octree` does.");
 }

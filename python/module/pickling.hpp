@@ -15,9 +15,19 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/enclosure.hpp>
+#include <verisq/features.hpp>
+#include <verisq/map.hpp>
+#include <verisq/model.hpp>
 #include <verisq/version.hpp>
 
 namespace verisq::python {
+
+// How results are pickled and copied: as tuples of what their structs are made of, bit for bit.
 
 /// Of an aggregate that is pickled member by member; a wrong number does not compile, so that none is forgotten. The
 /// module's own structs say it themselves: `static constexpr std::size_t members = 3`.
@@ -210,5 +220,83 @@ auto pickled() {
         return unpacked<T>(state[1]);
       });
 }
+
+// How many members the library's results have, and what they are made of: what pickling asks for.
+
+template <>
+inline constexpr std::size_t member_count<Enclosure> = 2;
+
+// Models
+
+template <>
+inline constexpr std::size_t member_count<Superquadric> = 3;
+template <>
+inline constexpr std::size_t member_count<Pose> = 2;
+template <>
+inline constexpr std::size_t member_count<Bend> = 2;
+template <>
+inline constexpr std::size_t member_count<Primitive> = 4;
+template <>
+inline constexpr std::size_t member_count<SetExpression> = 3;
+template <>
+inline constexpr std::size_t member_count<Model> = 3;
+
+// Maps
+
+template <>
+inline constexpr std::size_t member_count<MapResult> = 2;
+template <>
+inline constexpr std::size_t member_count<MapSummary> = 14;
+template <>
+inline constexpr std::size_t member_count<Normal> = 2;
+template <>
+inline constexpr std::size_t member_count<Certificate> = 5;
+template <>
+inline constexpr std::size_t member_count<ClosestPoint> = 5;
+template <>
+inline constexpr std::size_t member_count<ClosestPointSummary> = 5;
+template <>
+inline constexpr std::size_t member_count<ClosestPoints> = 3;
+template <>
+inline constexpr std::size_t member_count<PointOnTriangle> = 2;
+template <>
+inline constexpr std::size_t member_count<MeshClearance> = 8;
+
+// Certificates of two models
+
+template <>
+inline constexpr std::size_t member_count<Separation> = 5;
+template <>
+inline constexpr std::size_t member_count<SectionPlane> = 3;
+template <>
+inline constexpr std::size_t member_count<DividedSeparation> = 4;
+template <>
+inline constexpr std::size_t member_count<EnclosingBall> = 5;
+template <>
+inline constexpr std::size_t member_count<SurroundedPrimitive> = 3;
+template <>
+inline constexpr std::size_t member_count<PairCertificate> = 8;
+
+// Certificates of distances from triangles
+
+template <>
+inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
+template <>
+inline constexpr std::size_t member_count<TriangleProof> = 2;
+template <>
+inline constexpr std::size_t member_count<CertifiedPoint> = 2;
+template <>
+inline constexpr std::size_t member_count<SurfaceCover> = 3;
+
+// Features of femurs
+
+template <>
+inline constexpr std::size_t member_count<Feature> = 4;
+template <>
+inline constexpr std::size_t member_count<FrameAxis> = 2;
+template <>
+inline constexpr std::size_t member_count<FemurFrame> = 4;
+template <>
+inline constexpr std::size_t member_count<FemurFeatures> = 3;
 
 }  // namespace verisq::python

@@ -1,4 +1,4 @@
-/// The class verisq.Map: rows as arrays, and what is said of all of them.
+/// The classes verisq.Map, verisq.ClosestPointMap and verisq.Certificates: rows as arrays, and what proves them again.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -7,13 +7,38 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <verisq/columns.hpp>
+#include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/map_result.hpp>
-
-#include "python/module/certificate_list.hpp"
 
 namespace verisq::python {
+
+// The class verisq.Certificates: what proves the rows of a map again, kept as the library has it.
+
+/// One for each row, in the order of the map.
+struct CertificateList {
+  std::vector<Certificate> certificates;
+
+  static constexpr std::size_t members = 1;
+};
+
+// The class verisq.ClosestPointMap, and what fills it.
+
+/// What one call found, and of which points.
+struct PythonClosestPoints {
+  pybind11::array points;
+  std::vector<ClosestPoint> rows;
+  ClosestPointSummary summary;
+
+  static constexpr std::size_t members = 3;
+};
+
+/// Of an array of shape (N, 3), without Python's lock; the tolerance in model units.
+[[nodiscard]] PythonClosestPoints closest_points_of(const SignedDistance& distance, const pybind11::handle& points,
+                                                    double tolerance);
+
+// The class verisq.Map: rows as arrays, and what is said of all of them.
 
 static_assert(sizeof(Status) == 1);
 

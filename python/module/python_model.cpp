@@ -1,4 +1,4 @@
-/// verisq.Model: from files, text and dictionaries, and back.
+/// This file implements python_model.hpp.
 #include "python/module/python_model.hpp"
 
 #include <fmt/format.h>
@@ -7,20 +7,58 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/landmark_file.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/posed_model.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
+#include <verisq/mesh_topology.hpp>
 
-#include "python/module/arrays.hpp"
-#include "python/module/declarations.hpp"
-#include "python/module/landmarks.hpp"
+#include "python/module/module.hpp"
 
 namespace verisq::python {
+namespace {
+
+namespace py = pybind11;
+
+}  // namespace
+
+py::dict dictionary(const FemurLandmarks& landmarks) {
+  py::dict result;
+  for (const auto& [name, member] : named_landmarks) {
+    if (const std::optional<Point>& at = landmarks.*member) result[name] = *at;
+  }
+  if (landmarks.head_radius) result["head_radius"] = *landmarks.head_radius;
+  return result;
+}
+
+FemurLandmarks landmarks_of(const py::dict& description) {
+  FemurLandmarks result;
+  for (const auto& [key, value] : description) {
+    const auto name = key.cast<std::string>();
+    bool known = name == "head_radius";
+    if (known) result.head_radius = value.cast<double>();
+    for (const NamedLandmark& landmark : named_landmarks) {
+      if (name != landmark.name) continue;
+      result.*landmark.point = point(value);
+      known = true;
+    }
+    if (!known) throw Error(ErrorKind::input, fmt::format("landmarks: no landmark is called {}", name));
+  }
+  return result;
+}
+
+std::optional<Side> side_of(const std::optional<std::string>& word) {
+  if (!word) return std::nullopt;
+  if (*word == "left") return Side::left;
+  if (*word == "right") return Side::right;
+  throw py::value_error(fmt::format("side must be \"left\", \"right\" or None, not \"{}\"", *word));
+}
+
 namespace {
 
 namespace py = pybind11;
@@ -134,10 +172,11 @@ std::vector<std::string> names(const PythonModel& model) {
   return result;
 }
 
-std::string representation(const PythonModel& model) {
+std::string representation_of_model(const PythonModel& model) {
   const std::size_t count = model.model().primitives.size();
+  const std::string& units = model.model().units;  // as Python shows texts: on one line
   return fmt::format("<verisq.Model: {} primitive{}{}{}>", count, count == 1 ? "" : "s",
-                     model.model().units.empty() ? "" : ", " + model.model().units,
+                     units.empty() ? "" : ", units " + py::repr(py::str(units)).cast<std::string>(),
                      is_exact(model.model()) ? "" : ", with intervals");
 }
 
@@ -257,9 +296,99 @@ void declare_models(py::module_& module) {
           "is_union_of_convex", [](const PythonModel& self) { return verisq::is_union_of_convex(self.largest()); },
           "Whether the model is the union of its primitives, none of them bent: others are\n"
           "searched.")
-      .def("__repr__", representation)
+      .def("__repr__", representation_of_model)
       .def(py::pickle([](const PythonModel& self) { return dictionary(self); },
                       [](const py::dict& description) { return from_dictionary(description); }));
+}
+
+namespace {
+
+namespace py = pybind11;
+
+/// A view of rows of three that `owner` keeps: read-only.
+template <class Value>
+py::array view(const std::vector<std::array<Value, 3>>& rows, const py::handle& owner) {
+  const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows.size()), 3};
+  const py::array_t<Value> array(shape, rows.empty() ? nullptr : rows.front().data(), owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+template <class Value>
+py::array_t<Value> copied(const std::vector<std::array<Value, 3>>& rows) {
+  const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows.size()), 3};
+  return py::array_t<Value>(shape, rows.empty() ? nullptr : rows.front().data());
+}
+
+std::string representation_of_mesh(const PythonMesh& self) {
+  return fmt::format("<verisq.Mesh: {} vertices, {} triangles>", self.mesh.vertices.size(), self.mesh.triangles.size());
+}
+
+bool is_closed(const PythonMesh& self) {
+  return !self.mesh.triangles.empty() && mesh_topology(self.mesh).bounds_solid();
+}
+
+PythonMesh mesh_of_model(const PythonModel& model, double deviation) {
+  const Model& exact = model.exact("mesh_of_model");
+  Interruption interruption;
+  return without_lock(interruption, [&] {
+    return PythonMesh{model_mesh(exact, {.deviation = deviation, .interrupted = interruption.poll()}).mesh};
+  });
+}
+
+}  // namespace
+
+Mesh mesh_or_cloud(py::handle object) {
+  if (py::isinstance<PythonMesh>(object)) return object.cast<const PythonMesh&>().mesh;
+  return mesh(object, py::none());
+}
+
+void declare_meshes(py::module_& module) {
+  py::class_<PythonMesh>(
+      module, "Mesh",
+      "Mesh(vertices, triangles=None)\n\nVertices, an array of shape (N, 3), and triangles, indices\n"
+      "of shape (M, 3); without triangles it is a cloud. Both are copied. Raises ValueError for\n"
+      "other shapes and for indices that no vertex has, Error for coordinates that are not finite.")
+      .def(py::init([](const py::handle& vertices, const py::handle& triangles) {
+             return PythonMesh{mesh(vertices, triangles)};
+           }),
+           py::arg("vertices"), py::arg("triangles") = py::none())
+      .def_static(
+          "load",
+          [](const std::filesystem::path& path) {
+            const py::gil_scoped_release released;
+            return PythonMesh{read_mesh(path)};
+          },
+          py::arg("path"),
+          "load(path) -> Mesh\n\nReads STL, OBJ, PLY or OFF, by the extension. Equal corners of an STL are merged,\n"
+          "polygons of others split into triangles. Raises Error with file and line or byte for what is damaged.")
+      .def(
+          "save",
+          [](const PythonMesh& self, const std::filesystem::path& path) {
+            const py::gil_scoped_release released;
+            write_mesh(path, self.mesh);
+          },
+          py::arg("path"),
+          "save(path)\n\nWrites PLY, OFF, OBJ (bit for bit) or STL (rounded to binary32), by the extension.")
+      .def_property_readonly(
+          "vertices", [](const py::object& self) { return view(self.cast<const PythonMesh&>().mesh.vertices, self); },
+          "float64 (N, 3), a read-only view.")
+      .def_property_readonly(
+          "triangles", [](const py::object& self) { return view(self.cast<const PythonMesh&>().mesh.triangles, self); },
+          "uint32 (M, 3), a read-only view: indices of vertices.")
+      .def_property_readonly("is_closed", is_closed,
+                             "Whether it bounds a solid: closed, manifold and consistently oriented, by its indices.")
+      .def("__repr__", representation_of_mesh)
+      .def(py::pickle(
+          [](const PythonMesh& self) {
+            return py::make_tuple(copied(self.mesh.vertices), copied(self.mesh.triangles));
+          },
+          [](const py::tuple& parts) { return PythonMesh{mesh(parts[0], parts[1])}; }));
+  module.def(
+      "mesh_of_model", mesh_of_model, py::arg("model"), py::arg("deviation"),
+      "mesh_of_model(model, deviation) -> Mesh\n\nThe model's surface as a closed mesh, about so near to it, in\n"
+      "model units: floating point, nothing is proven of it (ask deviation()). Raises Error for a deviation\n"
+      "that is not positive or too small, and for models with intervals.");
 }
 
 }  // namespace verisq::python

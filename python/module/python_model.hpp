@@ -1,6 +1,7 @@
-/// The class verisq.Model: what a model file says, exact or not.
+/// The classes verisq.Model and verisq.Mesh, and a femur's landmarks as dictionaries.
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
@@ -8,12 +9,25 @@
 #include <string>
 #include <string_view>
 #include <vector>
-#include <verisq/cavity.hpp>
+#include <verisq/clearance.hpp>
 #include <verisq/features.hpp>
+#include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
-#include <verisq/uncertain_model.hpp>
 
 namespace verisq::python {
+
+// Landmarks of a femur as dictionaries of points, and sides as words.
+
+/// Points by their names, and "head_radius".
+[[nodiscard]] pybind11::dict dictionary(const FemurLandmarks& landmarks);
+
+/// And back. Throws Error(input) for a name that is none.
+[[nodiscard]] FemurLandmarks landmarks_of(const pybind11::dict& description);
+
+/// "left", "right" or nothing. Throws ValueError for other words.
+[[nodiscard]] std::optional<Side> side_of(const std::optional<std::string>& word);
+
+// The class verisq.Model: what a model file says, exact or not.
 
 /// Immutable, as read.
 class PythonModel {
@@ -56,5 +70,14 @@ void check_length(double value, std::string_view name);
 
 /// Throws ValueError unless these are seconds above 0, and at most 1e9.
 void check_time_limit(const std::optional<double>& seconds);
+
+// The class verisq.Mesh: an immutable mesh or cloud, of which arrays are views.
+
+struct PythonMesh {
+  Mesh mesh;
+};
+
+/// What stands for a mesh: a verisq.Mesh, or an array of points (N, 3): a cloud.
+[[nodiscard]] Mesh mesh_or_cloud(pybind11::handle object);
 
 }  // namespace verisq::python

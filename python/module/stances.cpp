@@ -14,20 +14,13 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/certified_equilibrium.hpp>
-#include <verisq/stance_analysis.hpp>
-#include <verisq/stance_bounce.hpp>
-#include <verisq/stance_choice.hpp>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_file.hpp>
 #include <verisq/stance_motion.hpp>
-#include <verisq/stance_stability.hpp>
 
-#include "python/module/declarations.hpp"
-#include "python/module/interruption.hpp"
+#include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
-#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
@@ -548,35 +541,10 @@ void declare_bounces(py::module_& module) {
       .def(pickled<stance::Bounce>());
 }
 
-}  // namespace
+using StanceClass = py::class_<PythonStance>;
 
-void declare_stances(py::module_& module) {
-  declare_bounces(module);
-  declare_equilibria(module);
-  declare_stabilities(module);
-  declare_motions(module);
-  py::class_<PythonStance>(
-      module, "StanceModel",
-      "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. What acts in which\n"
-      "analysis: docs/stance.md. `uncertain` names the parameters that take their whole range; None: all that have "
-      "one.\n"
-      " Raises Error for names that the model does not have.")
-      .def_static(
-          "load", [](const std::filesystem::path& path) { return PythonStance{stance::read_model(path)}; },
-          py::arg("path"), "load(path) -> StanceModel\n\nRaises Error, one line with file, line and value.")
-      .def_static(
-          "loads",
-          [](const std::string& text, const std::string& name) {
-            return PythonStance{stance::parse_model(text, name)};
-          },
-          py::arg("text"), py::arg("name") = "model",
-          "loads(text, name=\"model\") -> StanceModel\n\nThe same from XML; name stands for the file in messages.")
-      .def_property_readonly("parameters", parameters,
-                             "A list of dictionaries: name, unit, description, nominal, range (an Enclosure).")
-      .def_property_readonly(
-          "joints", [](const PythonStance& self) { return stance::joint_names(self.model); },
-          "\"pelvis ty\", ...: the rows of accelerations().")
-      .def_property_readonly("cylinders", cylinders, "The names that bounce() knows.")
+void declare_wrench(StanceClass& model) {
+  model
       .def("wrench", wrench, py::arg("uncertain") = py::none(), py::kw_only(), py::arg("mode") = "tight",
            "wrench(uncertain=None, *, mode=\"tight\") -> array\n\n"
            "float64 (6, 2): lower and upper ends of the wrench of gravity and the applied force on the root, at rest:\n"
@@ -599,7 +567,11 @@ void declare_stances(py::module_& module) {
           "posture; or \"standing\" at rest in the nominal body's equilibrium, held by its torques. joints: positions\n"
           "by name (m or rad) other than the file's; in contact their controllers' proportional parts act. cells:\n"
           "finest divisions of each uncertain range, 1 to 4096; a range is divided only where an acceleration may be\n"
-          "largest or smallest. Raises Error for a joint that there is none of, and where the body does not stand.")
+          "largest or smallest. Raises Error for a joint that there is none of, and where the body does not stand.");
+}
+
+void declare_standing(StanceClass& model) {
+  model
       .def("certified_equilibrium", certified_equilibrium, py::arg("joints") = "held", py::kw_only(),
            py::arg("uncertain") = py::none(), py::arg("cells") = 16,
            "certified_equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> CertifiedEquilibrium\n\n"
@@ -616,7 +588,11 @@ void declare_stances(py::module_& module) {
            py::arg("cells") = 16,
            "stability(joints=\"held\", *, uncertain=None, cells=16) -> Stability\n\n"
            "Whether small disturbances of that equilibrium die out: with the whole controllers acting (\"held\"), or\n"
-           "without their integral parts (\"proportional\"). Raises Error for a model that nothing holds.")
+           "without their integral parts (\"proportional\"). Raises Error for a model that nothing holds.");
+}
+
+void declare_moving(StanceClass& model) {
+  model
       .def(
           "simulate", simulate, py::arg("duration"), py::kw_only(), py::arg("uncertain") = py::none(),
           py::arg("lift") = 0.0, py::arg("drop") = py::none(), py::arg("push") = py::none(),
@@ -636,7 +612,43 @@ void declare_stances(py::module_& module) {
       .def("bounce", bounce, py::arg("cylinder"), py::kw_only(), py::arg("height") = 0.01,
            py::arg("uncertain") = py::none(),
            "bounce(cylinder, *, height=0.01, uncertain=None) -> Bounce\n\n"
-           "Drops this contact cylinder alone, with the mass of its body, from so many metres.")
+           "Drops this contact cylinder alone, with the mass of its body, from so many metres.");
+}
+
+}  // namespace
+
+void declare_stances(py::module_& module) {
+  declare_bounces(module);
+  declare_equilibria(module);
+  declare_stabilities(module);
+  declare_motions(module);
+  StanceClass model(
+      module, "StanceModel",
+      "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. What acts in which\n"
+      "analysis: docs/stance.md. `uncertain` names the parameters that take their whole range; None: all that have "
+      "one.\n"
+      " Raises Error for names that the model does not have.");
+  model
+      .def_static(
+          "load", [](const std::filesystem::path& path) { return PythonStance{stance::read_model(path)}; },
+          py::arg("path"), "load(path) -> StanceModel\n\nRaises Error, one line with file, line and value.")
+      .def_static(
+          "loads",
+          [](const std::string& text, const std::string& name) {
+            return PythonStance{stance::parse_model(text, name)};
+          },
+          py::arg("text"), py::arg("name") = "model",
+          "loads(text, name=\"model\") -> StanceModel\n\nThe same from XML; name stands for the file in messages.")
+      .def_property_readonly("parameters", parameters,
+                             "A list of dictionaries: name, unit, description, nominal, range (an Enclosure).")
+      .def_property_readonly(
+          "joints", [](const PythonStance& self) { return stance::joint_names(self.model); },
+          "\"pelvis ty\", ...: the rows of accelerations().")
+      .def_property_readonly("cylinders", cylinders, "The names that bounce() knows.");
+  declare_wrench(model);
+  declare_standing(model);
+  declare_moving(model);
+  model
       .def("__repr__",
            [](const PythonStance& self) {
              return fmt::format("<verisq.StanceModel: {} bodies, {} parameters>", self.model.bodies.size(),

@@ -194,6 +194,7 @@ def map_poses(
     *,
     tolerance: float | None = None,
     device: str = "auto",
+    time_limit: float | None = None,
     pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
 
@@ -300,10 +301,18 @@ class PathDistance:
     @property
     def reached(self) -> bool: ...
     @property
+    def out_of_time(self) -> bool: ...
+    @property
     def moments(self) -> int: ...
 
 def distance_along(
-    a: Model, b: Model, path: ArrayLike, *, tolerance: float | None = None, time_tolerance: float = 1e-6
+    a: Model,
+    b: Model,
+    path: ArrayLike,
+    *,
+    tolerance: float | None = None,
+    time_tolerance: float = 1e-6,
+    time_limit: float | None = None,
 ) -> PathDistance: ...
 
 class CertifiedPath:
@@ -420,6 +429,8 @@ class Recovery:
     def outliers(self) -> float: ...
     @property
     def points(self) -> int: ...
+    @property
+    def out_of_time(self) -> bool: ...
 
 def recover(
     shape: Mesh | ArrayLike,
@@ -431,6 +442,7 @@ def recover(
     most_outliers: float = 0.6,
     seed: int = 1,
     units: str = "",
+    time_limit: float | None = None,
 ) -> Recovery: ...
 
 class Femur:
@@ -487,6 +499,8 @@ class Octree:
     @property
     def budget_hit(self) -> bool: ...
     @property
+    def out_of_time(self) -> bool: ...
+    @property
     def device(self) -> str: ...
     @property
     def notice(self) -> str: ...
@@ -501,6 +515,7 @@ def octree(
     tolerance: float | None = None,
     budget: int | None = None,
     device: str = "auto",
+    time_limit: float | None = None,
 ) -> Octree: ...
 
 class MeshClearance:
@@ -545,6 +560,7 @@ class ContainmentProof:
     def maybe_with_cavities(self) -> bool: ...
     @property
     def samples(self) -> int: ...
+    def is_proved(self, model: Model, mesh: Mesh) -> bool: ...
 
 def prove_containment(
     model: Model,
@@ -753,6 +769,10 @@ class Fit:
     @property
     def conditions(self) -> list[FitCondition]: ...
     @property
+    def unfinished(self) -> list[str]: ...
+    @property
+    def out_of_time(self) -> bool: ...
+    @property
     def finalists(self) -> list[FitTrial]: ...
     @property
     def bound(self) -> FitBound | None: ...
@@ -792,6 +812,7 @@ def fit(
     weights: Mapping[str, float] = {},
     bound: float | None = None,
     bound_time: float = 300.0,
+    time_limit: float | None = None,
     seed: int = 1,
     samples: int = 4096,
     tolerance: float | None = None,

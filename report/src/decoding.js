@@ -1,5 +1,7 @@
 // Reads the data block of the page: JSON with base64 arrays becomes typed arrays (report/README.md has the format).
 
+import { shownUnits } from "./numbers.js";
+
 const format = "verisq-report/1";
 
 // A report that cannot be shown; the message is for the reader.
@@ -95,7 +97,7 @@ export function decodeReport(text) {
   if (report.proof && report.path) throw new BrokenReport("certificates are of one pose, not of a way");
   return {
     title: report.title,
-    units: report.units,
+    units: shownUnits(report.units),
     solidName: report.solid_name,
     range: report.range ?? null,
     up: report.up,

@@ -57,6 +57,21 @@ export function powerText(exponent) {
 }
 
 export const countText = (count) => count.toLocaleString("en");
+const unitsOfLength = new Set(["m", "dm", "cm", "mm", "um", "µm", "μm", "nm", "km", "in", "inch", "ft"]);
+
+// As behind a number on a terminal (host/errors/refusal.cpp): what is no unit of length stands in quotation marks,
+// and nothing in it can break a line, turn the text round or pretend to be the page's own words.
+export function shownUnits(units) {
+  if (!units || unitsOfLength.has(units)) return units;
+  const longest = 60;
+  const signs = [...units];
+  const shown = signs.slice(0, longest).map((sign) => {
+    const isPlain = sign === " " || (/^[\p{L}\p{N}\p{P}\p{S}]$/u.test(sign) && sign !== '"' && sign !== "\\");
+    return isPlain ? sign : `\\u{${sign.codePointAt(0).toString(16)}}`;
+  });
+  return `"${shown.join("")}${signs.length > longest ? "..." : ""}"`;
+}
+
 export const withUnits = (text, units) => (units ? `${text} ${units}` : text);
 
 export function shareText(part, whole) {

@@ -37,16 +37,40 @@ function valueTicks(values, y, text) {
   ]);
 }
 
+// Where a motion opens, its last enclosures grow beyond all measure and would flatten the curve before them. The
+// tightest enclosures of nine tenths of the time set the scale; an end that is more than 20 times their span away is
+// cut off. host/stance/stance_pictures.cpp does the same.
+export function shownRange(slabs) {
+  const [shareOfTime, farthest] = [0.9, 20];
+  const least = (values) => values.reduce((a, b) => Math.min(a, b));
+  const greatest = (values) => values.reduce((a, b) => Math.max(a, b));
+  const sorted = [...slabs].sort((a, b) => a.hi - a.lo - (b.hi - b.lo));
+  const wanted = shareOfTime * slabs.reduce((sum, { from, to }) => sum + (to - from), 0);
+  let time = 0;
+  const tight = sorted.filter(({ from, to }) => {
+    const counts = time < wanted;
+    time += to - from;
+    return counts;
+  });
+  const all = [least(slabs.map(({ lo }) => lo)), greatest(slabs.map(({ hi }) => hi))];
+  const [lo, hi] = [least(tight.map((slab) => slab.lo)), greatest(tight.map((slab) => slab.hi))];
+  const span = hi - lo;
+  const lowest = all[0] < lo - farthest * span ? lo - span : all[0];
+  const highest = all[1] > hi + farthest * span ? hi + span : all[1];
+  return { lowest, highest, all, isCut: lowest > all[0] || highest < all[1] };
+}
+
 // slabs: [{from, to, lo, hi}].
 export function tubeChart(title, unit, slabs, duration, reached) {
-  const lowest = Math.min(...slabs.map(({ lo }) => lo));
-  const highest = Math.max(...slabs.map(({ hi }) => hi));
+  const { lowest, highest, all, isCut } = shownRange(slabs);
   const size = Math.max(Math.abs(lowest), Math.abs(highest));
   // Where six digits do not tell ticks apart, they are differences from a round number.
   const base = highest - lowest < 1e-4 * size ? Number(((lowest + highest) / 2).toPrecision(8)) : 0;
   const margin = Math.max(0.06 * (highest - lowest), 1e-14 * size, 1e-300);
-  const y = (value) => top + plotHeight * (1 - (value - lowest + margin) / (highest - lowest + 2 * margin));
-  const shownTitle = base === 0 ? `${title}, ${unit}` : `${title}, ${unit}, less ${base}`;
+  const shown = (value) => Math.min(Math.max(value, lowest - margin), highest + margin);
+  const y = (value) => top + plotHeight * (1 - (shown(value) - lowest + margin) / (highest - lowest + 2 * margin));
+  const cut = isCut ? ` (cut off: the enclosures reach about [${all.map((end) => end.toExponential(2)).join(", ")}])` : "";
+  const shownTitle = (base === 0 ? `${title}, ${unit}` : `${title}, ${unit}, less ${base}`) + cut;
   const { x, finish } = frame(shownTitle, duration, reached);
   const point = (time, value) => `${x(time).toFixed(2)},${y(value).toFixed(2)}`;
   const above = slabs.flatMap(({ from, to, hi }) => [point(from, hi), point(to, hi)]);

@@ -1,13 +1,11 @@
 // Powers and arctangents of search against MPFR at 127 bits: contained, and within the stated error.
-#include "verify/analysis/fast_functions.hpp"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "tests/oracle/random_cases.hpp"
-#include "verify/analysis/trigonometry.hpp"
+#include "verify/numbers/functions.hpp"
 
 namespace verisq::verify {
 namespace {

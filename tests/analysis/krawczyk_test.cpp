@@ -1,5 +1,5 @@
 /// Krawczyk's operator on systems with known zeros, and closest points of random pairs of the paper's solids.
-#include "verify/analysis/krawczyk.hpp"
+#include "verify/search/krawczyk.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 #include <vector>
-#include <verisq/model_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 

@@ -15,14 +15,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host/arithmetic/exact_rounding.hpp"
-#include "host/arithmetic/interval_operations.hpp"
-#include "host/arithmetic/operation_kernels.hpp"
-#include "host/arithmetic/self_test.hpp"
-#include "host/device/accuracy_report.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
-#include "verify/analysis/exponential.hpp"
+#include "host/device/program.hpp"
+#include "host/device/sample_operations.hpp"
+#include "host/device/self_test.hpp"
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verisq/enclosure.hpp"
 

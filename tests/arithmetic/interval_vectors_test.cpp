@@ -24,15 +24,14 @@
 #include <vector>
 #include <verisq/device.hpp>
 
-#include "host/arithmetic/interval_operations.hpp"
-#include "host/arithmetic/operation_kernels.hpp"
-#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/program.hpp"
+#include "host/device/sample_operations.hpp"
+#include "host/device/self_test.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
-#include "verify/analysis/trigonometry.hpp"
-#include "verify/stance/piecewise.hpp"
-#include "verify/stance/verified_integration.hpp"
+#include "verify/numbers/functions.hpp"
+#include "verify/stance/bounce.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq {
 namespace {

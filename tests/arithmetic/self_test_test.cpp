@@ -1,5 +1,5 @@
 /// The self-test accepts the kernels as they are and refuses kernels whose rounding is broken in one place.
-#include "host/arithmetic/self_test.hpp"
+#include "host/device/self_test.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

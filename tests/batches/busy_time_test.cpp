@@ -1,6 +1,4 @@
 /// Busy time is that of a union: what overlaps counts once, however the kernels are cut into chunks.
-#include "host/batches/busy_time.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 #include <verisq/map.hpp>
 
+#include "host/device/chunk_queue.hpp"
 #include "tests/fixtures/random.hpp"
 
 namespace verisq::device {

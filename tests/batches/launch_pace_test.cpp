@@ -1,7 +1,7 @@
 /// How much a device is given follows the time that it takes, within what its buffers hold.
-#include "host/batches/launch_pace.hpp"
-
 #include <gtest/gtest.h>
+
+#include "host/device/chunk_queue.hpp"
 
 namespace verisq::device {
 namespace {

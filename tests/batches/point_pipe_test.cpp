@@ -1,6 +1,6 @@
 /// Points through the pipe, in memory of any stride, shared or copied: the enclosures that the batch of points finds,
 /// bit for bit.
-#include "host/batches/point_pipe.hpp"
+#include "host/device/point_pipe.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,10 +11,10 @@
 #include <random>
 #include <utility>
 #include <vector>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
-#include "host/batches/point_batch.hpp"
-#include "host/maps/tightest_enclosure.hpp"
+#include "host/device/query_batches.hpp"
+#include "host/maps/certified_rows.hpp"
 
 namespace verisq::device {
 namespace {

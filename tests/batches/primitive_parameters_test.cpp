@@ -1,6 +1,6 @@
 /// What the host tells the kernels about a primitive: numbers that their proofs rely on as bounds are bounds, by MPFR
 /// at 200 bits, and nearly as tight as binary64 allows.
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +54,20 @@ TEST_F(PrimitiveParametersTest, SolidLiesInTheScaledOneOfTheExponentsRoundedDown
     expect_above(parameters.containment_up, pow(Real(2), d));
   });
   EXPECT_EQ(primitive_parameters({"", {{1.0, 1.0, 1.0}, {1.0, 0.5}}, {}}, 0).containment_up, 1.0);
+}
+
+/// Nothing rounds where the rotation only permutes axes; next to nothing is not nothing.
+TEST_F(PrimitiveParametersTest, RotationsThatPermuteAxesAreExact) {
+  const auto pose_error = [](const std::array<double, 4>& quaternion) {
+    return primitive_parameters({"", {{1.0, 1.0, 2.0}, {1.0, 0.5}}, {{}, quaternion}, {}}, 0).pose_error;
+  };
+  for (const double length : {0x1p-1074, 0x1p-1022, 0x1p-500, 1.0, 0x1p500, 0x1p1023}) {
+    EXPECT_EQ(pose_error({length, 0.0, 0.0, 0.0}), 0.0);
+    EXPECT_EQ(pose_error({length, 0.0, -length, 0.0}), 0.0);
+    EXPECT_EQ(pose_error({length, length, length, length}), 0.0);
+  }
+  EXPECT_GT(pose_error({1e300, 1e-300, 0.0, 0.0}), 0.0);
+  EXPECT_GT(pose_error({0.0, 0x1p-1074, 1e-3, 0.0}), 0.0);
 }
 
 /// The greatest length of boundary points in directions (a1, s a2, t a3), s and t of all orders of magnitude.

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "host/batches/chunk_queue.hpp"
+#include "host/device/chunk_queue.hpp"
 
 namespace verisq::device {
 namespace {

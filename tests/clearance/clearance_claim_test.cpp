@@ -1,7 +1,5 @@
 /// What a fit claims is proved where it is so, and never where it is not: distances known exactly, sums in MPFR.
 /// VERISQ_FORGED_CLAIMS says of how many fits.
-#include "verisq/clearance_claim.hpp"
-
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "tests/fixtures/requested_count.hpp"
+#include "verisq/clearance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {

@@ -10,7 +10,7 @@
 #include <vector>
 #include <verisq/error.hpp>
 
-#include "verify/clearance/clearance_sum.hpp"
+#include "verify/proof/clearance_claims.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {

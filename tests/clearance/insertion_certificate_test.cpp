@@ -1,6 +1,4 @@
 /// What is found along a way in is proved again from its certificates, and no forgery of them is.
-#include "verisq/insertion_certificate.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,15 +7,15 @@
 #include <functional>
 #include <limits>
 #include <vector>
-#include <verisq/certified_insertion.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/clearance/way_scenes.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/placement/rigid_path.hpp"
+#include "verify/solids/paths.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/insertion.hpp"
 
 namespace verisq::oracle {
 namespace {

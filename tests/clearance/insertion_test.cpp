@@ -7,15 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/posed_model.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/placement/rigid_path.hpp"
+#include "verify/solids/paths.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {

@@ -1,6 +1,4 @@
 /// Ways in, and the search among them, against shadows of ellipsoids.
-#include "verisq/least_removal.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <numbers>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "verisq/insertion.hpp"
 
 namespace verisq {
 namespace {

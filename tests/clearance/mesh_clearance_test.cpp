@@ -1,6 +1,4 @@
 /// The whole surface against a model: balls in closed form, any model against distances at many of its points.
-#include "verisq/mesh_clearance.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,14 +8,15 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/real.hpp"
+#include "verisq/clearance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {

@@ -1,6 +1,4 @@
 /// What an implant takes away is proved again from its cubes, and no forgery of them is.
-#include "verisq/removed_volume_certificate.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,14 +10,13 @@
 #include <numbers>
 #include <string>
 #include <vector>
-#include <verisq/certified_removed_volume.hpp>
-#include <verisq/deviation_certificate.hpp>
-#include <verisq/insertion.hpp>
+#include <verisq/deviation.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/removals.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/insertion.hpp"
 
 namespace verisq::oracle {
 namespace {

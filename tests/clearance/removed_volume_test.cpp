@@ -1,6 +1,4 @@
 /// Removed volumes against closed forms, and against lattices of points that know nothing of the proof.
-#include "verisq/removed_volume.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,11 +7,11 @@
 #include <cmath>
 #include <numbers>
 #include <vector>
-#include <verisq/insertion.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/removals.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/insertion.hpp"
 
 namespace verisq::oracle {
 namespace {

@@ -1,6 +1,4 @@
 /// What is found of sides is proved again from model and mesh alone, and nothing that a point of the surface refutes.
-#include "verisq/side_checker.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,8 +12,9 @@
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
-#include "verify/sets/bend_range.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verify/solids/model.hpp"
+#include "verisq/clearance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
@@ -161,9 +160,8 @@ Primitive random_primitive(Random& random) {
   Primitive primitive{"", solid, {}, {}};
   for (double& q : primitive.pose.quaternion) q = random.uniform(-1.0, 1.0);
   if (random.uniform(0.0, 1.0) < 0.5) {
-    const Bend bend{random.uniform(-2.0, 2.0), random.uniform(-180.0, 180.0)};
-    if (verify::keeps_off_its_centre(bend, solid) && verify::is_less_than_a_full_turn(bend, solid))
-      primitive.bend = bend;
+    primitive.bend = Bend{random.uniform(-2.0, 2.0), random.uniform(-180.0, 180.0)};
+    if (verify::fault_of(Model{"", {primitive}})) primitive.bend.reset();
   }
   return primitive;
 }

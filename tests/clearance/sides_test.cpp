@@ -1,7 +1,5 @@
 /// On which side of a surface a primitive lies: boxes, balls and tubes where the answer is known, and closed surfaces
 /// against the winding numbers of their solid angles.
-#include "verisq/sides.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,16 +8,17 @@
 #include <numbers>
 #include <vector>
 
-#include "host/fit/bent_projection.hpp"
-#include "host/fit/inside_test.hpp"
-#include "host/mesh/eigen_points.hpp"
+#include "host/plan/clearance.hpp"
+#include "host/plan/primitive_projection.hpp"
+#include "host/plan/requirements.hpp"
+#include "host/prepare/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
-#include "verify/containment/closed_surface.hpp"
-#include "verify/containment/rims.hpp"
-#include "verify/deviation/triangle_tree.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verify/proof/closed_surface.hpp"
+#include "verify/proof/triangle_tree.hpp"
+#include "verisq/clearance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
@@ -40,6 +39,15 @@ Mesh scaled(Mesh mesh, double factor) {
   for (Point& vertex : mesh.vertices)
     for (double& x : vertex) x *= factor;
   return mesh;
+}
+
+/// Where products of three coordinates underflow or overflow, too.
+TEST(Facing, IsToldAtEverySize) {
+  for (const double size : {1e-300, 1e-110, 1e-3, 1e110, 1e300}) {
+    EXPECT_EQ(facing_of(scaled(sphere_mesh(2), size)), 1) << size;
+    EXPECT_EQ(facing_of(scaled(turned_round(sphere_mesh(2)), size)), -1) << size;
+  }
+  EXPECT_EQ(facing_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}}), std::nullopt) << "it is flat";
 }
 
 /// Of a sphere the triangles below a height: an open bowl.

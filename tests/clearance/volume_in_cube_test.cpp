@@ -1,5 +1,5 @@
 /// Volumes of cubes that half-spaces cut, against closed forms and lattices of points.
-#include "verify/removed_volume/volume_in_cube.hpp"
+#include "verify/proof/volume_in_cube.hpp"
 
 #include <gtest/gtest.h>
 

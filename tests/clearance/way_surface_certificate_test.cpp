@@ -1,6 +1,4 @@
 /// What a whole surface's distance along a way in is found to be is proved again, and no forgery of that is.
-#include "verisq/way_surface_certificate.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,18 +8,17 @@
 #include <limits>
 #include <numbers>
 #include <vector>
-#include <verisq/certified_insertion.hpp>
-#include <verisq/certified_way_surface.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/clearance/way_scenes.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/placement/quartered_triangle.hpp"
-#include "verify/proposals/nearest_normal.hpp"
+#include "verify/proof/triangle_piece.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/insertion.hpp"
 
 namespace verisq::oracle {
 namespace {

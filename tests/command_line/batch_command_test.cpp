@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -165,6 +166,17 @@ TEST_F(BatchCommand, TakesCommandsWithoutSummaryForFailuresAndComparesOneUnitAlo
   EXPECT_EQ(json.at("failed"), 2);
   EXPECT_FALSE(json.contains("nearest"));
   EXPECT_THAT(contents(path("out/overview.html")), HasSubstr("several units"));
+}
+
+/// Each takes --json and --no-progress, which batches give; the byte order mark is a spreadsheet's.
+TEST_F(BatchCommand, RunsFeatures) {
+  (void)write("cohort.csv",
+              "\xEF\xBB\xBF"
+              "case,command,landmarks,landmark-radius\nbone,features," +
+                  places::example("femur_landmarks.json") + ",1\n");
+  const Outcome outcome = batch("out", {"--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out).at("failed"), 0);
 }
 
 TEST_F(BatchCommand, ReadsQuotesAndFlags) {

@@ -76,7 +76,8 @@ TEST_F(CheckBestFit, ProvesTheBoundOfTheFit) {
       HasSubstr("the range            moved by up to 1 mm along each axis, turned by a rotation vector of up to 1 "
                 "degrees along each\n"));
   EXPECT_THAT(outcome.out, HasSubstr("the limit            no vertex deeper in the implant than 0 mm\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("area elsewhere       weight 1, 786 vertices, which the certificate names\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("area                 weight 1, 786 vertices, which the certificate names \"elsewhere\"\n"));
   const json object = json::parse(check_of(proof_, {"--json"}).out);
   EXPECT_EQ(object["kind"], "best_fit");
   EXPECT_EQ(object["verdict"], "proved");

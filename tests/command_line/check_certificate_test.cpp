@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
@@ -75,6 +78,15 @@ TEST_F(CheckCertificate, LeavesOpenWhatIsNotProved) {
   const Outcome outcome = check(forged("/proof/separations", nlohmann::json::array()));
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("verdict            unproved\n  reason           the certificate "));
+}
+
+TEST_F(CheckCertificate, DoesNotJudgeOnceOutOfTime) {
+  const Outcome outcome = check(proof_, {"--time-limit", "1e-9", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(json["verdict"].is_null());
+  EXPECT_EQ(json["interrupted"], true);
+  EXPECT_THAT(check(proof_, {"--time-limit", "1e-9"}).out, HasSubstr("verdict            not judged\n"));
 }
 
 TEST_F(CheckCertificate, IsOfNoOtherModel) {
@@ -259,6 +271,18 @@ TEST_F(CheckManyPoses, SaysWhichIsFirst) {
 
 TEST_F(CheckManyPoses, IsOfNoOtherModel) {
   expect_refused(run({"check", "--certificate", many_, "--model", b_, "--model", a_}), {"is about another model"});
+}
+
+/// A pipe gives other bytes to each reading: the digest must be that of the bytes that are parsed.
+TEST_F(CheckCertificate, ReadsAModelOnce) {
+  const std::string pipe = path("pipe.json");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::ifstream model(a_);
+  const std::string honest{std::istreambuf_iterator<char>(model), {}};
+  std::jthread writer([&] { std::ofstream(pipe) << honest; });
+  const Outcome outcome = run({"check", "--certificate", proof_, "--model", pipe, "--model", b_});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("verdict            proved\n"));
 }
 
 }  // namespace

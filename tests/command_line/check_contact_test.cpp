@@ -7,8 +7,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 
+#include "tests/fixtures/hostile_texts.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -17,6 +18,7 @@ namespace verisq::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -79,9 +81,9 @@ TEST_F(CheckContact, ProvesWhatTheFitSays) {
   const Outcome outcome = check(proof_);
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("claims               9\n  proved             9\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("  proved   contact:upper, share: ["));
+  EXPECT_THAT(outcome.out, ContainsRegex("  proved   \\[[^]]+\\] %: share, contact:\"upper\"\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no farther than 1 mm from the model's surface"));
-  EXPECT_THAT(outcome.out, HasSubstr("area upper           "));
+  EXPECT_THAT(outcome.out, HasSubstr(" triangles, which the certificate names \"upper\"\n"));
   EXPECT_THAT(outcome.out, HasSubstr("is not proved, but for you to see\n"));
   EXPECT_THAT(outcome.out, HasSubstr("not claimed          how much of the model's own surface is in contact\n"));
   const json object = json::parse(check(proof_, {"--json"}).out);
@@ -100,6 +102,20 @@ TEST_F(CheckContact, ProvesWhatTheFitSays) {
       EXPECT_NEAR(claim["claimed"][end].get<double>(), value, 1e-12 * std::abs(value)) << claim;
     }
   }
+}
+
+/// A number that a name states is none that is proved.
+TEST_F(CheckContact, ShowsNamesBehindNumbers) {
+  const std::string name = "upper, share: [0, 0.1] %";
+  const Outcome outcome = check(forged("/regions/0", name));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("  proved   \\[[^]]+\\] %: share, contact:\"upper, share: \\[0, 0.1\\] %\"\n"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("proved   contact")));
+  for (const std::string& text : {name + std::string(150, ' ') + "a", "upper\u200b" + std::string(forged_sentence)})
+    expect_harmless(check(forged("/regions/0", text)).out);
+  EXPECT_EQ(check(forged("/regions/0", "a\n  proved")).status, 2);
+  EXPECT_EQ(check(forged("/regions/0", "a\u200fb")).status, 2);
 }
 
 TEST_F(CheckContact, NeverProvesAForgery) {
@@ -127,8 +143,8 @@ TEST_F(CheckContact, ProvesTheImplantsOwnContact) {
   const Outcome outcome = check(proof_);
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("claims               12\n  proved             12\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("  proved   implant_contact, share: ["));
-  EXPECT_THAT(outcome.out, HasSubstr("\nimplant_contact      of the surface of egg"));
+  EXPECT_THAT(outcome.out, ContainsRegex("  proved   \\[[^]]+\\] %: share, implant_contact\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nimplant_contact      of the surface of \"egg\""));
   EXPECT_THAT(outcome.out, Not(HasSubstr("not claimed")));
   const json summary = json::parse(check(proof_, {"--json"}).out);
   EXPECT_EQ(summary["implant_contact_of"], (json{"egg"}));

@@ -6,8 +6,9 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -27,7 +28,7 @@ class CheckDeviation : public ProofFileTest {
       {"name": "ball", "superquadric": {"semi_axes": [0.8, 0.9, 1], "exponents": [1, 1]}}]})");
     const Outcome outcome = deviation({"--mesh", mesh_, "--certificate-file", proof_});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("certificate            " + proof_ + "\n  proves, largest"));
+    EXPECT_THAT(outcome.out, HasSubstr("certificate            " + quotation(proof_) + "\n  proves, largest"));
   }
 
   [[nodiscard]] Outcome deviation(Arguments arguments) const {

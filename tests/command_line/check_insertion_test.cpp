@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/errors/refusal.hpp"
+#include "tests/fixtures/hostile_texts.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 
@@ -14,6 +16,7 @@ namespace verisq::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -23,7 +26,7 @@ class CheckInsertion : public ProofFileTest {
     write_short_stem();
     const Outcome outcome = insert({"--along", "0,0,-1", "--length", "60", "--certificate-file", proof_});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("certificate          " + proof_));
+    EXPECT_THAT(outcome.out, HasSubstr("certificate          " + quotation(proof_)));
   }
 
   [[nodiscard]] Outcome insert(const Arguments& more) const {
@@ -277,7 +280,7 @@ TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
   const Outcome proved = check(proof_, with);
   EXPECT_EQ(proved.status, 0) << proved.err << proved.out;
   EXPECT_THAT(proved.out, HasSubstr("points               786\n  proved             786\n"));
-  EXPECT_THAT(proved.out, HasSubstr(" mm^3, proved\n  bone is            outside of the mesh, within box.off\n"));
+  EXPECT_THAT(proved.out, HasSubstr(" mm^3, proved\n  bone is            outside of the mesh, within \"box.off\"\n"));
   EXPECT_THAT(proved.out, HasSubstr("not claimed          the distances of what lies between the vertices\n"));
   const json told = json::parse(check(proof_, {"--within", outer, "--json"}).out);
   EXPECT_EQ(told["removed_volume"]["verdict"], "proved");
@@ -292,6 +295,14 @@ TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
   not_proved("/removed/hi", "inf");
   not_proved("/removed/bone", "inside");
   not_proved("/removed/cube/parts", ".");
+
+  const std::string sentence = "removed bone         [0, 0] mm^3, proved";
+  const std::string text = "box.off\x1b[11A\n" + sentence + std::string(150, ' ');
+  const Outcome forgery = check(forged("/removed/within/file", text), with);
+  EXPECT_EQ(forgery.status, 0) << forgery.err;
+  EXPECT_THAT(forgery.out, ContainsRegex("\n  bone is            outside of the mesh, within \"[^\n]*\"\n"));
+  EXPECT_THAT(forgery.out, Not(HasSubstr("\n" + sentence)));
+  expect_harmless(forgery.out);
 
   const auto refused = [&](const Outcome& outcome, const std::string& words) {
     EXPECT_EQ(outcome.status, 2) << outcome.out;

@@ -126,7 +126,7 @@ TEST_F(CheckPath, IsOfNoOtherModelPathOrForm) {
   refused(check(proof_, {"--map", "map.csv"}), "is of two models, not of a map");
   refused(run({"check", "--model", a_, "--certificate", proof_}), "is about 2 models");
   EXPECT_EQ(check(proof_, {"--poses", path("path.csv")}).status, 0);
-  EXPECT_THAT(check(proof_, {"--poses", path("path.csv")}).out, HasSubstr("path.csv, pose by pose\n"));
+  EXPECT_THAT(check(proof_, {"--poses", path("path.csv")}).out, HasSubstr("path.csv\", pose by pose\n"));
   refused(check(proof_, {"--poses", write("other.csv", "-5,2.5,0,1,0,0,0\n5,2.5,1,0.8,0.1,0.2,0\n")}),
           "is of other poses: pose 1 is 5,2.5,0,0.8,0.1,0.2,0, not 5,2.5,1,0.8,0.1,0.2,0");
   refused(check(proof_, {"--poses", write("fewer.csv", "-5,2.5,0,1,0,0,0\n")}), "is of 2 poses, not of 1");

@@ -75,6 +75,22 @@ TEST_F(CheckProgram, AnswersAsTheCommandDoes) {
   }
 }
 
+/// A row whose proof would take seconds: the limit ends it, and it counts as not looked at.
+TEST_F(CheckProgram, EndsByATimeLimit) {
+  const std::string model = write("s.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "s", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1.0000001]}}]})");
+  const std::string map = write("m.csv",
+                                "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,"
+                                "escape_y,escape_z\n0,-inf,-.99999,wide,0,1,0,0,,,,\n");
+  const Outcome outcome = check_alone(
+      {"--model", model, "--points", write("p.csv", "0,0,0\n"), "--map", map, "--time-limit", "0.05", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["interrupted"], true);
+  EXPECT_EQ(json["points"], 0);
+  EXPECT_EQ(json["unproved"], 0);
+}
+
 TEST_F(CheckProgram, ProvesMapsOfMovedModels) {
   const std::string pose = "0.1,-0.2,0.3,1,2,3,4";
   expect_the_same({"--model", model_, "--pose", pose, "--points", points_, "--map", path("map.csv")}, 2);  // bounds

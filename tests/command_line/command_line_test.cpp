@@ -98,6 +98,7 @@ TEST_F(CommandLine, MapsAMeshOnTheHost) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("] of these points, not of what lies between\n"));
   const auto rows = rows_of(path("map.csv"));
   ASSERT_EQ(rows.size(), 4);
   EXPECT_LE(rows[0].distance.lo, 2.0);  // (0, 0, 3) is exactly 2 above the solid
@@ -606,6 +607,41 @@ TEST_F(CommandLine, RefusesTimesThatAreNone) {
   }
 }
 
+TEST_F(CommandLine, SaysWhatIsWrongWithPointsAndPoses) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const Arguments of_mesh{"--model", ball, "--mesh", mesh, "-o", path("map.csv")};
+  const auto with = [](Arguments arguments, const Arguments& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  expect_refused(map(with(of_mesh, {"--points", mesh})), {"--mesh and --points are both given: leave one out"});
+  expect_refused(map(with(of_mesh, {"--pose", "1 2 3 1 0 0 0"})),
+                 {"--pose: '1 2 3 1 0 0 0' is not a finite number: commas without blanks separate numbers"});
+  expect_refused(map({"--model", ball, "--points", mesh, "-o", path("map.csv")}),
+                 {"mesh.off: line 1: 'OFF'", "the file's name is that of a mesh, which is no list of points"});
+}
+
+TEST_F(CommandLine, SaysWhichFileIsInAnothersPlace) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  expect_refused(map({"--model", mesh, "--mesh", ball, "-o", path("map.csv")}),
+                 {"mesh.off: begins with 'OFF': no JSON, which models"});
+  expect_refused(map({"--model", ball, "--mesh", ball, "-o", path("map.csv")}),
+                 {"unknown mesh format '.json'", "a model goes elsewhere"});
+  expect_refused(map({"--model", ball, "--model", ball, "--mesh", mesh, "-o", path("map.csv")}),
+                 {"--model: give it once, not 2 times"});
+  expect_refused(run({"features", "--landmarks", ball}),
+                 {"format = \"verisq-model/1\": must be \"verisq-landmarks/1\""});
+}
+
+TEST_F(CommandLine, AsksWhetherUnitsAreTheSame) {
+  const auto small = write("small.off", "OFF\n3 1 0\n0.001 0 0\n0 0.001 0\n0 0 0.001\n3 0 1 2\n");
+  const auto told = map({"--model", ball, "--mesh", small, "-o", path("small.csv")});
+  EXPECT_EQ(told.status, 0) << told.err;
+  EXPECT_THAT(told.err, HasSubstr("are their units the same?"));
+  const auto usual = map({"--model", ball, "--mesh", write("mesh.off", tetrahedron), "-o", path("map.csv")});
+  EXPECT_THAT(usual.err, Not(HasSubstr("units")));
+}
+
 TEST_F(CommandLine, PrintsVersionAndHelp) {
   const auto version = run({"--version"});
   EXPECT_EQ(version.status, 0);
@@ -646,12 +682,14 @@ TEST_F(CommandLine, SuggestsWhatWasMeant) {
   }
 }
 
-/// Names as `verisq devices` prints them: lines that begin with an index.
+/// Names as `verisq devices` prints them, without their quotation marks: lines that begin with an index.
 std::vector<std::string> names_of_devices(const std::string& listing) {
   std::vector<std::string> names;
   std::istringstream lines(listing);
   for (std::string line; std::getline(lines, line);) {
-    if (std::isdigit(static_cast<unsigned char>(line[0])) != 0) names.push_back(line.substr(line.find("  ") + 2));
+    if (std::isdigit(static_cast<unsigned char>(line[0])) == 0) continue;
+    const std::size_t name = line.find('"') + 1;
+    names.push_back(line.substr(name, line.find('"', name) - name));
   }
   return names;
 }
@@ -913,6 +951,17 @@ TEST_F(Check, RefusesBadMaps) {
   Table table(certified_map("map.csv"));
   table.at(1, "lo") = "nan";
   expect_refused(check(write("nan.csv", table.text())), {"nan.csv", "line 3", "nan"});
+}
+
+TEST_F(Check, DoesNotSucceedWhereARowClaimsNothing) {
+  Table table(certified_map("map.csv"));
+  table.at(1, "lo") = "-inf";
+  table.at(1, "hi") = "inf";
+  table.at(1, "status") = "wide";
+  const auto outcome = check(write("nothing.csv", table.text()));
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("proved             4\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  WITHOUT AN END     1: of these nothing is claimed on one side at least\n"));
 }
 
 TEST_F(Check, ProvesThePartThatAnEndedRunLeft) {

@@ -13,6 +13,7 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -54,6 +55,17 @@ TEST_F(DistanceCommand, PrintsTheEnclosureInWords) {
   EXPECT_THAT(outcome.out, HasSubstr("closest point of A x ["));
   EXPECT_THAT(outcome.out, HasSubstr("uniqueness         proven: exactly one pair"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("certificate")));
+}
+
+// Solids are closed: a distance of 0 is a common point, and what is said agrees with the numbers.
+TEST_F(DistanceCommand, TouchingSolidsHaveACommonPoint) {
+  const std::string a = ball("a.json", "mm", 0.0);
+  const Outcome touching = distance({a, a, "--pose", "2,0,0,1,0,0,0"});
+  EXPECT_EQ(touching.status, 0) << touching.err;
+  EXPECT_THAT(touching.out, StartsWith("distance           [0, 0] mm\n"));
+  EXPECT_THAT(touching.out, HasSubstr("overlapping (proven: a common point)\ncommon point       (1, 0, 0)\n"));
+  const Outcome turned = distance({a, a, "--pose", "2,0,0,1,2,3,4"});
+  EXPECT_THAT(turned.out, HasSubstr("undecided (neither a gap nor a common point is proven, at most "));
 }
 
 TEST_F(DistanceCommand, PrintsJson) {
@@ -221,6 +233,18 @@ TEST_F(DistanceCommand, EndsASearchAtTheTimeLimit) {
 }
 
 /// Two nearly boxes 1e-3 apart within each other: a search that takes a minute.
+TEST_F(DistanceCommand, EndsSearchesOfManyPosesAtTheTimeLimit) {
+  const auto a = write("a.json", bent_ball);
+  const auto poses = write("poses.csv", "9,0,0,1,0,0,0\n0,9,0,1,0,0,0\n0,0,30,1,0,0,0\n");
+  const Outcome outcome = distance({a, a, "--poses", poses, "-o", path("o.csv"), "--device", "host", "--tol", "1e-12",
+                                    "--time-limit", "1e-9", "--json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("the time limit is reached; 3 of 3 rows are valid, and wide\n"));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["out_of_time"], true);
+  EXPECT_EQ(summary["poses"], 3);
+}
+
 TEST_F(DistanceCommand, InterruptionLeavesAValidEnclosure) {
   const auto bored = write("bored.json", bored_ball);
   const auto peg = write("peg.json", R"({"format": "verisq-model/1", "primitives": [
@@ -254,7 +278,11 @@ TEST_F(DistanceCommand, RefusesWhatSearchesLack) {
   const auto poses = write("poses.csv", "0,0,0,1,0,0,0\n");
   expect_refused(distance({b, a, "--poses", poses, "-o", path("o.csv"), "--closest-points"}),
                  "--closest-points: " + b + ": not supported");
-  expect_refused(distance({a, a, "--poses", poses, "-o", path("o.csv"), "--time-limit", "1"}), "--time-limit");
+  expect_refused(distance({a, a, "--poses", poses, "-o", path("o.csv"), "--time-limit", "1", "--part", "1/2"}),
+                 "--part");
+  expect_refused(distance({a, a, "--poses", poses, "-o", path("o.csv"), "--time-limit", "1", "--certificate-file",
+                           path("c.json")}),
+                 "--certificate-file");
   for (const std::string seconds : {"0", "-1", "soon", "inf", ""}) {
     expect_refused(distance({a, b, "--time-limit=" + seconds}), "--time-limit");
   }
@@ -369,7 +397,7 @@ TEST_F(DistanceCommand, SumsUpManyPoses) {
   EXPECT_THAT(words.out, StartsWith("poses              9\n"));
   EXPECT_THAT(words.out, HasSubstr(" mm\n"));
   EXPECT_THAT(words.out, HasSubstr(" poses/s\n"));
-  EXPECT_THAT(words.out, EndsWith("map                " + path("map.csv") + "\n"));
+  EXPECT_THAT(words.out, EndsWith("map                " + quotation(path("map.csv")) + "\n"));
   EXPECT_THAT(words.out, Not(HasSubstr("point")));
   const Outcome outcome = distance({a, b, "--poses", file, "-o", path("map.json"), "--device", "host", "--json"});
   const auto summary = nlohmann::json::parse(outcome.out);
@@ -496,7 +524,7 @@ TEST_F(DistanceCommand, RefusesBadUsage) {
   const auto b = ball("b.json", "mm", 5.0);
   expect_refused(distance({a}), "B");
   expect_refused(distance({a, (folder_.path() / "none.json").string()}), "none.json");
-  expect_refused(distance({a, ball("m.json", "m", 5.0)}), "units m differ from mm");
+  expect_refused(distance({a, ball("m.json", "m", 5.0)}), "units \"m\" differ from \"mm\"");
   expect_refused(distance({a, b, "--tol", "-1"}), "--tol: -1");
   expect_refused(distance({a, b, "--tol", "nan"}), "--tol: nan");
   expect_refused(distance({a, b, "--pose", "1,2,3"}), "--pose: 3 numbers where 7");

@@ -115,6 +115,8 @@ TEST_F(FeaturesCommand, RefusesWhatIsNoFemur) {
   expect_refused(features({"--mesh", three}), {"three.off", "too few"});
   expect_refused(features({"--model", places::example("stem_mm.json"), "--deviation", "1"}),
                  {"stem_mm.json: mesh: its shaft is", "no femur"});
+  expect_refused(features({"--mesh", places::source() + "/tests/features/coarse_bone.off"}),
+                 {"coarse_bone.off: mesh: what was found is no femur's", "131 %"});
   expect_refused(features({}), {"--mesh", "--landmarks"});
   expect_refused(features({"--landmarks", landmarks_, "--side", "left"}), {"--side"});
   expect_refused(features({"--landmarks", write("bad.json", R"({"format": "verisq-landmarks/1",

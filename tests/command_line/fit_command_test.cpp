@@ -10,9 +10,10 @@
 #include <numbers>
 #include <string>
 #include <vector>
+#include <verisq/files.hpp>
 #include <verisq/mesh.hpp>
-#include <verisq/model_file.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -190,6 +191,24 @@ TEST_F(FitCommand, FindsThePoseAndProvesIt) {
   EXPECT_EQ(summary["areas"][0]["points"], points);
 }
 
+/// Whatever is proven by then stays so, and the rest is named.
+TEST_F(FitCommand, AtTheTimeLimitTheBestPoseIsWrittenAndTheRestLeftOpen) {
+  const Outcome outcome = fit_one({"--time-limit", "1e-9", "--map", path("fit.csv")});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("the time limit is reached: the search ended early"));
+  EXPECT_THAT(outcome.err, HasSubstr("what is not proven yet stays open: vertices"));
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["search"]["out_of_time"], true);
+  EXPECT_EQ(summary["interrupted"], false);
+  EXPECT_THAT(summary["proof"]["unfinished"].get<std::vector<std::string>>(), ::testing::Contains("surface"));
+  const std::size_t points = cavity_mesh().vertices.size();
+  EXPECT_EQ(summary["points"], points);
+  EXPECT_EQ(summary["wide"], points);
+  EXPECT_TRUE(std::filesystem::exists(fitted()));
+  const Outcome map = run({"map", "--model", fitted(), "--mesh", bone(), "--device", "host", "-o", path("map.csv")});
+  EXPECT_EQ(map.status, 0);
+}
+
 TEST_F(FitCommand, WritesTheModelWhoseMapItIs) {
   ASSERT_EQ(fit_one({"--map", path("fit.csv")}).status, 0);
   const Outcome map = run({"map", "--model", fitted(), "--mesh", bone(), "--device", "host", "-o", path("map.csv")});
@@ -275,7 +294,7 @@ TEST_F(FitCommand, TellsHowDeepAnInstrumentCuts) {
   EXPECT_EQ(summary["surface"]["proven_too_deep"], cavity_mesh().triangles.size());
 
   const std::string small = implant("blunt.json", "[2, 2, 2]");
-  EXPECT_THAT(with(small).out, HasSubstr("instrument           " + small + ", where the implant lies\n"));
+  EXPECT_THAT(with(small).out, HasSubstr("instrument           " + quotation(small) + ", where the implant lies\n"));
   const json blunt = json::parse(with(small, {"--json"}).out)["instrument"];
   EXPECT_GT(blunt["surface"]["smallest_distance"]["lo"], 0.5);
   EXPECT_EQ(blunt["surface"]["proven_too_deep"], 0);
@@ -363,7 +382,7 @@ TEST_F(FitCommand, EnclosesAreasInContact) {
   EXPECT_EQ(kept.status, 0) << kept.err;
   const Outcome broken = shares("0.6", {"--keep", "contact=0,1"});
   EXPECT_EQ(broken.status, 3);
-  EXPECT_THAT(broken.err, HasSubstr("contact is ["));
+  EXPECT_THAT(broken.err, HasSubstr("asks of \"contact\""));
   EXPECT_THAT(broken.err, HasSubstr("proven not to be within what --keep asks"));
 }
 
@@ -385,7 +404,7 @@ TEST_F(FitCommand, TellsAreasApart) {
   const Outcome outcome = fit({"--implant", implant("body.json", "[3, 4, 8]", boxes), "--mesh", bone(), "-o", fitted(),
                                "--weight", "elsewhere=0.5"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "verisq: area far: has no vertex of the mesh\n");
+  EXPECT_EQ(outcome.err, "verisq: area \"far\": has no vertex of the mesh\n");
   const json areas = json::parse(outcome.out)["areas"];
   ASSERT_EQ(areas.size(), 3U);
   EXPECT_EQ(areas[0]["name"], "top");
@@ -459,7 +478,8 @@ TEST_F(FitCommand, RefusesBadUsage) {
   };
   refused({"--objective", "beauty"}, "--objective: beauty is not one of fitness, size");
   refused({"--objective", "size", "--bound", "5"}, "--bound: is of F, which --objective size does not maximise");
-  refused({"--keep", "contact:nose=1,2"}, "--keep contact:nose: no area has the name nose; known are elsewhere");
+  refused({"--keep", "contact:nose=1,2"},
+          "--keep contact:nose: no area has the name \"nose\"; known are \"elsewhere\"");
   refused({"--completion", "screwed"}, "--completion: screwed is not one of cementless, cemented");
   refused({"--gap", "0"}, "--gap: 0 is not above 0");
   refused({"--gap", "-1"}, "--gap: -1 is not a finite number of at least 0");
@@ -474,7 +494,7 @@ TEST_F(FitCommand, RefusesBadUsage) {
   refused({"--tol", "x"}, "--tol: x");
   refused({"--labels", "side"}, "bone.off: labels of vertices are read from .ply only");
   refused({"--weight", "top"}, "--weight: top is not NAME=W");
-  refused({"--weight", "top=1"}, "--weight: no area has the name top");
+  refused({"--weight", "top=1"}, "--weight: no area has the name \"top\"");
   refused({"--weight", "elsewhere=-1"}, "--weight elsewhere=-1: -1 is not a finite number of at least 0");
   refused({"--weight", "elsewhere=0"}, "every vertex has weight 0");
   refused({"--weight", "elsewhere=1", "--weight", "elsewhere=2"}, "--weight: elsewhere has two");
@@ -496,10 +516,10 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
   };
   const std::string body = implant("body.json");
   const std::string in_m = implant("m.json", "[3, 4, 8]", R"(, "units": "m")");
-  refused({in_m}, "--gap: give one, because the implants' units are m, not mm");
+  refused({in_m}, "--gap: give one, because the implants' units are \"m\", not mm");
   refused({implant("no_units.json", "[3, 4, 8]", "")},
           "--gap: give one, because the implants' units are unknown, not mm");
-  refused({body, in_m}, in_m + ": units m differ from mm of " + body);
+  refused({body, in_m}, in_m + ": units \"m\" differ from \"mm\" of " + body);
   refused({body, path("none.json")}, "none.json: no such file");
   const auto with_area = [&](const std::string& name, const std::string& weight) {
     return implant(
@@ -655,7 +675,7 @@ TEST_F(SidedFitCommand, PutsABentAndBoredShaftInside) {
   expect_refused(fit_bent({"--outside", "bore"}), {"--outside bore: only cuts the implant, so that it has no side"});
   const Outcome beside = fit_bent({"--pose-start", "30,0,0,1,0,0,0"});
   EXPECT_EQ(beside.status, 3);
-  EXPECT_THAT(beside.err, HasSubstr("shaft is proven to lie outside the cavity, at least in part"));
+  EXPECT_THAT(beside.err, HasSubstr("\"shaft\" is proven to lie outside the cavity, at least in part"));
 }
 
 TEST_F(SidedFitCommand, KeepsWhatIsToBePreserved) {
@@ -701,11 +721,11 @@ TEST_F(SidedFitCommand, TakesHeadAndNeckForWhatIsCalledSo) {
 TEST_F(SidedFitCommand, SaysWhatIsNotPreserved) {
   const Outcome outcome = fit_preserving({"--keep", "length_change=30,40"}, "0");
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("length_change is "));
+  EXPECT_THAT(outcome.err, HasSubstr("asks of \"length_change\""));
   EXPECT_THAT(outcome.err, HasSubstr("proven not to be within what --keep asks"));
   const Outcome vague = fit_preserving({"--keep", "offset_change=-0.1,0.1", "--landmark-radius", "1"}, "0");
   EXPECT_EQ(vague.status, 3);
-  EXPECT_THAT(vague.err, HasSubstr("offset_change is "));
+  EXPECT_THAT(vague.err, HasSubstr("asks of \"offset_change\""));
   EXPECT_THAT(vague.err, HasSubstr("not proven to be within what --keep asks"));
   expect_refused(fit_preserving({"--keep", "length=1,2"}), {"--keep length: ", "known are ", "length_change"});
   expect_refused(fit_preserving({"--keep", "length_change=2,1"}), {"--keep length_change=2,1: 2 is above 1"});
@@ -723,7 +743,7 @@ TEST_F(SidedFitCommand, NeverCallsWhatLiesBesideTheCavityDone) {
       fit({"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck", "--pose-start", "30,0,0,1,0,0,0"},
           "2");
   EXPECT_EQ(outcome.status, 3) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("shaft is proven to lie outside the cavity, at least in part"));
+  EXPECT_THAT(outcome.err, HasSubstr("\"shaft\" is proven to lie outside the cavity, at least in part"));
   EXPECT_EQ(json::parse(outcome.out)["sides"]["primitives"][0]["found"], "other side");
 }
 
@@ -734,7 +754,7 @@ TEST_F(SidedFitCommand, KeepsOutOfBone) {
   EXPECT_EQ(outcome.status == 0, summary["sides"]["kept"].get<bool>()) << outcome.err;
   const Outcome inside = fit({"--mesh", cavity(), "--bone", "--pose-start", "0,0,-2.5,1,0,0,0"}, "0.1", "1");
   EXPECT_EQ(inside.status, 3);
-  EXPECT_THAT(inside.err, HasSubstr("shaft is proven to lie inside the bone, at least in part"));
+  EXPECT_THAT(inside.err, HasSubstr("\"shaft\" is proven to lie inside the bone, at least in part"));
 }
 
 }  // namespace

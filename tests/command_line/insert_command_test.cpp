@@ -70,7 +70,7 @@ TEST_F(InsertCommand, SaysWhatIsCut) {
                                       "  undecided          0\n"
                                       "deepest penetration  ["));
   EXPECT_THAT(outcome.out, HasSubstr("poses of the path    2, and all between them\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("removal.vtp\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("removal.vtp\"\n"));
   std::stringstream vtp;
   vtp << std::ifstream(path("removal.vtp")).rdbuf();
   EXPECT_THAT(vtp.str(), HasSubstr("dist_lo"));
@@ -310,6 +310,16 @@ TEST_F(InsertCommand, ExplainsItself) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_THAT(outcome.out, HasSubstr("--implant"));
   EXPECT_THAT(outcome.out, HasSubstr("Exit status"));
+}
+
+TEST_F(InsertCommand, EndsByATimeLimitWithValidRows) {
+  const Outcome outcome = insert_along({"-o", path("removal.csv"), "--time-limit", "1e-9"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, StartsWith("verisq: the time limit is reached; rows as tight as they were by then"));
+  for (const Row& row : rows_of(path("removal.csv.partial"))) {
+    EXPECT_LE(row.distance.lo, exact[row.index]);
+    EXPECT_GE(row.distance.hi, exact[row.index]);
+  }
 }
 
 }  // namespace

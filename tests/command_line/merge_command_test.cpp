@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 #include <vector>
-#include <verisq/map_part.hpp>
+#include <verisq/map_file.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
@@ -140,6 +140,7 @@ TEST_F(MergeCommand, NamesPartsThatAreDrawn) {
   const Outcome outcome = merge(parts, "whole.pvtp");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr(fmt::format("{}\n", count)));
+  EXPECT_THAT(outcome.out, HasSubstr("] of these points, not of what lies between\n"));
   pugi::xml_document whole;
   ASSERT_TRUE(whole.load_file(path("whole.pvtp").c_str()));
   const pugi::xml_node data = whole.child("VTKFile").child("PPolyData");
@@ -234,7 +235,9 @@ TEST_F(MergeCommand, RefusesForgedSets) {
       {in_second([](auto& json) { json["format"] = "verisq-part/2"; }), all, {"format", "must be \"verisq-part/1\""}},
       {in_second([](auto& json) { json["extra"] = 1; }), all, {"extra", "unknown"}},
       {in_second([](auto& json) { json["summary"]["wide"] = 5; }), all, {"summary.wide = 5", "must add up"}},
-      {[&] { std::filesystem::remove(path("part.2.csv.part.json")); }, all, {"part.2.csv.part.json: no such file"}},
+      {[&] { std::filesystem::remove(path("part.2.csv.part.json")); },
+       all,
+       {"part.2.csv.part.json: no such file: ", "part.2.csv is no part of a map, as --part writes them"}},
       {[&] { (void)write("part.2.csv.part.json", "{"); }, all, {"part.2.csv.part.json"}},
       {[&] {  // one digit of one bound
          std::string forged = second;
@@ -282,7 +285,7 @@ TEST_F(MergeCommand, AcceptsSeveralDevicesWhereAskedTo) {
   expect_refused(merge({"part.1.csv", "part.2.csv"}, "merged.csv"), {"the device is another host, but host in"});
   const Outcome outcome = merge({"part.1.csv", "part.2.csv"}, "merged.csv", {"--mixed-devices"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("device             host, another host\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("device             \"host, another host\"\n"));
 }
 
 TEST_F(MergeCommand, PartsAreRefusedWhereRowsWouldDependOnMoreThanTheirBlock) {

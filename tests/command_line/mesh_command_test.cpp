@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 #include <verisq/mesh_topology.hpp>
 
 #include "tests/fixtures/places.hpp"
@@ -68,6 +68,22 @@ TEST_F(MeshCommand, PrintsOneJsonObject) {
   EXPECT_EQ(json["output"], path("ball.ply"));
 }
 
+TEST_F(MeshCommand, TellsNoVolumeThatIsNoNumber) {
+  const std::string tiny = folder_
+                               .file("tiny.json", R"({"format": "verisq-model/1", "primitives": [{"name": "ball",
+        "superquadric": {"semi_axes": [1e-200, 1e-200, 1e-200], "exponents": [1, 1]}}]})")
+                               .string();
+  const Arguments arguments{"--model", tiny, "--deviation", "1e-201", "-o", path("tiny.ply")};
+  const Outcome outcome = mesh(arguments);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("volume             not told: no binary64 number is that large or small\n"));
+  Arguments as_json = arguments;
+  as_json.emplace_back("--json");
+  const auto json = nlohmann::json::parse(mesh(as_json).out);
+  EXPECT_LE(json["proven_deviation"]["hi"], 1e-201);
+  EXPECT_TRUE(json["volume"].is_null());
+}
+
 TEST_F(MeshCommand, SaysWhatIsNotProven) {
   const Outcome outcome = mesh({"--model", ball(), "--deviation", "0.01", "-o", path("ball.stl"), "--no-proof"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -84,6 +100,23 @@ TEST_F(MeshCommand, WritesNothingWhenInterrupted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.stl")));
 }
 
+/// At 1e6 two binary32 numbers are 0.0625 apart: vertices move by up to 0.054.
+TEST_F(MeshCommand, SaysWhereBinary32IsTooCoarse) {
+  const std::string far = write("far.json", R"({"format": "verisq-model/1", "primitives": [{"name": "ball",
+        "superquadric": {"semi_axes": [10, 10, 10], "exponents": [1, 1]},
+        "pose": {"translation": [1e6, 1e6, 1e6]}}]})");
+  expect_refused({"--model", far, "--deviation", "0.02", "-o", path("far.stl"), "--no-proof"},
+                 "far.stl: STL's binary32 numbers would move vertices by up to 0.05");
+  EXPECT_FALSE(std::filesystem::exists(path("far.stl")));
+  EXPECT_EQ(mesh({"--model", far, "--deviation", "0.02", "-o", path("far.ply"), "--no-proof"}).status, 0);
+  // An estimate holds that of rounding.
+  const auto estimated = [&](const std::string& name) {
+    const Outcome outcome = mesh({"--model", far, "--deviation", "0.2", "-o", path(name), "--no-proof"});
+    return std::stod(outcome.out.substr(outcome.out.find("deviation") + std::string("deviation").size()));
+  };
+  EXPECT_GT(estimated("far.stl"), estimated("far.ply") + 0.03);
+}
+
 TEST_F(MeshCommand, RefusesBadUsage) {
   expect_refused({"--model", ball(), "-o", path("a.stl")}, "--deviation is required");
   expect_refused({"--model", ball(), "--deviation", "0", "-o", path("a.stl")}, "--deviation: 0");
@@ -91,6 +124,14 @@ TEST_F(MeshCommand, RefusesBadUsage) {
   expect_refused({"--model", ball(), "--deviation", "0.1", "-o", path("a.vtp")}, "unknown mesh format '.vtp'");
   expect_refused({"--model", path("none.json"), "--deviation", "0.1", "-o", path("a.stl")}, "none.json");
   EXPECT_FALSE(std::filesystem::exists(path("a.stl")));
+}
+
+TEST_F(MeshCommand, EndsByATimeLimit) {
+  const std::string file = path("ball.ply");
+  const Outcome outcome = mesh({"--model", ball(), "--deviation", "0.01", "-o", file, "--time-limit", "1e-9"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "verisq: the time limit is reached; " + file + " is not written\n");
+  EXPECT_FALSE(std::filesystem::exists(file));
 }
 
 }  // namespace

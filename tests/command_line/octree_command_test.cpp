@@ -242,5 +242,16 @@ TEST_F(OctreeCommand, IsProvedAgain) {
   refused({"check", "--model", ball(), "--octree", cubes(), "--mesh", "bone.off"}, "--mesh: only with --map");
 }
 
+TEST_F(OctreeCommand, EndsByATimeLimit) {
+  const Outcome outcome = octree_of_ball({"--device", "host", "--depth", "5", "--time-limit", "1e-9", "--json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "verisq: the time limit is reached; " + cubes() + " is not written\n");
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["interrupted"], true);
+  EXPECT_LE(json["volume"]["lo"], ball_volume);
+  EXPECT_GE(json["volume"]["hi"], ball_volume);
+  EXPECT_FALSE(std::filesystem::exists(cubes()));
+}
+
 }  // namespace
 }  // namespace verisq::testing

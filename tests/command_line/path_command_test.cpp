@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -74,9 +75,19 @@ TEST_F(PathCommand, RefusesBadInput) {
   const std::string a = moving_ball("a.json", 1.0, "mm");
   const std::string poses = folder_.file("path.csv", "0,0,0,1,0,0,0\n").string();
   testing::expect_refused(run({"path", a, moving_ball("inches.json", 1.0, "in"), "--poses", poses}),
-                          {"inches.json", "units in differ from mm"});
+                          {"inches.json", "units \"in\" differ from \"mm\""});
   testing::expect_refused(run({"path", a, a, "--poses", folder_.file("empty.csv", "").string()}), {"empty.csv"});
   testing::expect_refused(run({"path", a, a, "--poses", poses, "--clearance", "-1"}), {"--clearance"});
+}
+
+TEST_F(PathCommand, EndsByATimeLimit) {
+  const std::string proof = path("proof.json");
+  const Outcome outcome = passing("2", {"--time-limit", "1e-9", "--certificate-file", proof});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "verisq: the time limit is reached; " + proof + " is not written\n");
+  EXPECT_THAT(outcome.out, HasSubstr("undecided (the time limit is reached: neither a gap"));
+  EXPECT_FALSE(std::filesystem::exists(proof));
+  EXPECT_EQ(passing("2", {"--time-limit", "600"}).status, 0);
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "tests/fixtures/program_test.hpp"
-#include "verisq/model_file.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/files.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -124,6 +124,29 @@ TEST_F(RecoverCommand, ProvesThatTheModelLiesOutside) {
     EXPECT_LT(distance(corner, 1e-6).hi, 0.0);
 }
 
+TEST_F(RecoverCommand, KeepsWhatProvesTheSideAgain) {
+  for (const char* const side : {"--inside", "--outside"}) {
+    const std::string certificate = (folder_ / "containment.json").string();
+    const Outcome outcome = recover({"--mesh", tetrahedron(), side, "--primitives", "2", "--no-proof", "-o", model(),
+                                     "--certificate-file", certificate});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Arguments check{"check", "--certificate", certificate, "--mesh", tetrahedron(), "--model", model()};
+    const Outcome proved = run(check);
+    EXPECT_EQ(proved.status, 0) << proved.err;
+    EXPECT_THAT(proved.out, ::testing::StartsWith("proved "));
+    // The other claim of the same files is none that they prove.
+    std::string forged = contents(certificate);
+    const bool within = forged.find("within") != std::string::npos;
+    forged.replace(forged.find(within ? "within" : "around"), 6, within ? "around" : "within");
+    const Arguments check_of_forged{"check",  "--certificate", folder_.file("forged.json", forged).string(),
+                                    "--mesh", tetrahedron(),   "--model",
+                                    model(),  "--json"};
+    const Outcome refused = run(check_of_forged);
+    EXPECT_EQ(refused.status, 3);
+    EXPECT_NE(nlohmann::json::parse(refused.out)["verdict"], "proved");
+  }
+}
+
 TEST_F(RecoverCommand, RefusesWhatItCannotUse) {
   const std::string three = folder_.file("three.csv", "0,0,0\n1,0,0\n0,1,0\n").string();
   expect_refused({"-o", model()}, "give either --points or --mesh");
@@ -138,6 +161,10 @@ TEST_F(RecoverCommand, RefusesWhatItCannotUse) {
   expect_refused({"--points", three, "--outliers", "1", "-o", model()}, "--outliers: 1 is not from 0 to 0.9");
   expect_refused({"--points", three, "--inside", "-o", model()}, "--inside: needs a --mesh, whose solid it is about");
   expect_refused({"--mesh", three, "--inside", "--outside", "-o", model()}, "give --inside or --outside, not both");
+  expect_refused({"--mesh", three, "-o", model(), "--certificate-file", "c.json"},
+                 "--certificate-file: only with --inside or --outside");
+  expect_refused({"--mesh", three, "--outside", "--bend", "-o", model(), "--certificate-file", "c.json"},
+                 "--certificate-file: --outside is not certified with --bend");
   expect_refused({"--mesh", three, "--outside", "--bend", "--primitives", "2", "-o", model()},
                  "--outside: that a union has no cavities is proven of unbent primitives alone; with --bend give "
                  "--primitives 1");
@@ -145,6 +172,13 @@ TEST_F(RecoverCommand, RefusesWhatItCannotUse) {
   expect_refused({"--mesh", open, "--outside", "-o", model()},
                  open + ": the mesh is not closed: nothing can be within or around it");
   expect_refused({"--mesh", three, "--outliers", "0.1", "-o", model()}, "--outliers: is for --points; a mesh has none");
+}
+
+TEST_F(RecoverCommand, EndsByATimeLimitWithTheBestModelSoFar) {
+  const Outcome outcome = recover({"--points", ellipsoid(), "-o", model(), "--time-limit", "1e-9"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "verisq: the time limit is reached; the best model so far is kept in " + model() + "\n");
+  EXPECT_TRUE(std::filesystem::exists(model()));
 }
 
 }  // namespace

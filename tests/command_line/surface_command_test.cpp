@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 #include <verisq/mesh_topology.hpp>
 
 #include "tests/fixtures/places.hpp"
@@ -240,7 +240,7 @@ TEST_F(SurfaceCommand, MakesACanalThatAFitTakesAtOnce) {
   const Outcome fit = run({"fit", "--implant", implant, "--mesh", path("canal.ply"), "--cavity", "--samples", "64",
                            "--device", "host", "-o", path("fitted.json")});
   EXPECT_EQ(fit.status, 0) << fit.err;
-  EXPECT_THAT(fit.out, HasSubstr("inside the cavity    proven of plug"));
+  EXPECT_THAT(fit.out, HasSubstr("inside the cavity    proven of \"plug\""));
 }
 
 TEST_F(SurfaceCommand, RefusesWhatMakesNoCanal) {

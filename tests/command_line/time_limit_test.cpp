@@ -7,14 +7,15 @@
 #include <random>
 #include <vector>
 #include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/maps/chunk_pace.hpp"
+#include "host/maps/certified_rows.hpp"
+#include "host/maps/map_run.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/places.hpp"
-#include "verify/sets/coarse_distance.hpp"
+#include "verify/search/octree_cube.hpp"
 
 namespace verisq {
 namespace {
@@ -108,6 +109,27 @@ TEST(CoarseProofTest, OfTrianglesIsWhatTheCertificateProves) {
     EXPECT_EQ(checker(triangle, found, certificate).verdict, Verdict::proved);
     EXPECT_GE(found.lo, 0.0);
     EXPECT_LE(found.hi, 20.0);
+  }
+}
+
+/// A limit may leave a million rows: some hundred get an enclosure that takes a fraction of a millisecond.
+TEST(LateRowsTest, AreToldInAMomentAfterTheFirst) {
+  const Model model{"", {ball({0.5, -1, 2}, 1.0), ball({1.5, 0, 2}, 1.5)}};
+  LateRows late(model);
+  const Checker checker(model);
+  const Point x{6, 0, 2};
+  const Triangle triangle{x, {7, 0, 2}, {6, 1, 2}};
+  for (int run = 0; run < 2; ++run) {
+    for (std::size_t n = 0; n < LateRows::first_rows; ++n) ASSERT_TRUE(std::isfinite(late.next(x).distance.hi)) << n;
+    const auto [of_point, none] = late.next(x);
+    EXPECT_EQ(none, Certificate{});
+    EXPECT_NEAR(of_point.lo, 4.5 - 1.5 * std::sqrt(3.0), 1e-9);  // spheres hold their primitives' boxes
+    EXPECT_EQ(of_point.hi, HUGE_VAL);
+    EXPECT_EQ(checker(x, of_point, none).verdict, Verdict::proved);
+    const auto [of_triangle, nothing] = late.next(triangle);
+    EXPECT_EQ(of_triangle, (Enclosure{0.0, HUGE_VAL}));
+    EXPECT_EQ(checker(triangle, of_triangle, nothing).verdict, Verdict::proved);
+    late.begin_anew();
   }
 }
 

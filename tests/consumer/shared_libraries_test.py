@@ -12,14 +12,12 @@ import subprocess
 import sys
 import unittest
 
-ORDER = ["proposals", "proof", "bend_range", "placement", "verify", "readers", "core", "map_readers", "files", "fit",
-         "report"]
-CORE = ORDER[:7]
+ORDER = ["proposals", "proof", "verify", "readers", "writers", "core", "map_readers", "files", "plan", "report", "stance"]
+CORE = ORDER[:6]
 SYSTEM = {
-    "proposals": [], "proof": [], "bend_range": [], "placement": ["fmt"], "verify": ["fmt"], "readers": ["fmt"],
-    "core": ["fmt", "dl"],
-    "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "fit": ["fmt", "nlopt", "dl"],
-    "report": ["fmt", "cairo"],
+    "proposals": [], "proof": ["fmt"], "verify": ["fmt"], "readers": ["fmt"], "writers": ["fmt"], "core": ["fmt", "dl"],
+    "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "plan": ["fmt", "nlopt", "dl"],
+    "report": ["fmt", "cairo"], "stance": ["fmt"],
 }
 
 folder, compiler, script, output = sys.argv[1:5]
@@ -34,7 +32,7 @@ def link(library: str) -> None:
     if path_of(library).exists() and path_of(library).parent == pathlib.Path(folder):
         return
     siblings = [f"-lverisq_{other}" for other in ORDER[: ORDER.index(library)]]
-    hidden = [f"{folder}/libverisq_opencl.a"] if library in ("core", "fit") else []
+    hidden = [f"{folder}/libverisq_opencl.a"] if library in ("core", "plan") else []
     system = [f"-l{name}" for name in [*SYSTEM[library], "mpfr", "gmp"]]
     subprocess.run(
         [compiler, "-shared", "-pthread", "-o", str(path_of(library)), f"-Wl,--version-script={script}",

@@ -1,16 +1,17 @@
 /// Models within and around meshes whose answers are known, and what must not be proven.
-#include "verisq/containment.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "verify/containment/closed_surface.hpp"
-#include "verify/containment/union_cavities.hpp"
-#include "verify/deviation/triangle_tree.hpp"
+#include "verify/proof/closed_surface.hpp"
+#include "verify/proof/containment_checker.hpp"
+#include "verify/proof/triangle_tree.hpp"
+#include "verify/search/mesh_side.hpp"
 #include "verisq/error.hpp"
 #include "verisq/recovery.hpp"
 
@@ -121,12 +122,101 @@ TEST(ContainmentTest, AHollowModelIsNotAroundWhatItsHollowBelongsTo) {
 }
 
 TEST(ContainmentTest, ARingHasNoCavity) {
+  const auto is_without = [](std::span<const Primitive> primitives, const std::function<bool()>& ended) {
+    return verify::is_without_cavities(primitives, verify::certified_union(primitives, ended), ended);
+  };
   const auto never = [] { return false; };
   std::vector<Primitive> all = walls();
-  EXPECT_FALSE(verify::is_without_cavities(all, never));
-  EXPECT_TRUE(verify::is_without_cavities(std::span(all).first(5), never));
-  EXPECT_TRUE(verify::is_without_cavities(std::span(all).first(4), never));
-  EXPECT_FALSE(verify::is_without_cavities(all, [] { return true; }));
+  EXPECT_FALSE(is_without(all, never));
+  EXPECT_TRUE(is_without(std::span(all).first(5), never));
+  EXPECT_TRUE(is_without(std::span(all).first(4), never));
+  EXPECT_FALSE(is_without(all, [] { return true; }));
+}
+
+ContainmentFinding checked(const Model& model, const Mesh& mesh, Containment containment) {
+  return ContainmentChecker(model, mesh)(containment, proof(model, mesh, containment).certificate);
+}
+
+TEST(ContainmentChecker, ProvesWhatTheSearchProves) {
+  const Mesh mesh = cube(1.0);
+  EXPECT_EQ(checked(model_of({ball(0.99)}), mesh, Containment::within).verdict, Verdict::proved);
+  EXPECT_EQ(checked(model_of({ball(1.74)}), mesh, Containment::around).verdict, Verdict::proved);
+  // Triangles that lie in no primitive as a whole are halved along the seam.
+  const Model halves =
+      model_of({block("left", {1.0, 1.5, 1.5}, {-0.9, 0.0, 0.0}), block("right", {1.0, 1.5, 1.5}, {0.9, 0.0, 0.0})});
+  EXPECT_EQ(checked(halves, mesh, Containment::around).verdict, Verdict::proved);
+  Primitive bent = block("bent", {0.3, 0.3, 0.8}, {0.0, 0.0, 0.0}, 1.0);
+  bent.bend = Bend{0.3, 20.0};
+  EXPECT_EQ(checked(model_of({bent}), mesh, Containment::within).verdict, Verdict::proved);
+  std::vector<Primitive> filled = walls();
+  filled.push_back(block("filling", {1.9, 1.9, 1.9}, {0.0, 0.0, 0.0}));
+  EXPECT_EQ(checked(model_of(filled), cube(2.0), Containment::around).verdict, Verdict::proved);
+}
+
+TEST(ContainmentChecker, ProvesNothingElse) {
+  const Mesh mesh = cube(1.0);
+  const ContainmentFinding beside =
+      checked(model_of({ball(0.5), ball(0.5, {5.0, 0.0, 0.0})}), mesh, Containment::within);
+  EXPECT_EQ(beside.verdict, Verdict::refuted);
+  EXPECT_EQ(checked(model_of({ball(1.01)}), mesh, Containment::within).verdict, Verdict::unproved);
+  const ContainmentFinding too_small = checked(model_of({ball(1.73)}), mesh, Containment::around);
+  EXPECT_EQ(too_small.verdict, Verdict::unproved);
+  EXPECT_EQ(too_small.open, "12 of 12 triangles");
+  const Model apart =
+      model_of({block("left", {0.8, 1.5, 1.5}, {-1.0, 0.0, 0.0}), block("right", {1.0, 1.5, 1.5}, {0.9, 0.0, 0.0})});
+  EXPECT_EQ(checked(apart, mesh, Containment::around).verdict, Verdict::unproved);
+  EXPECT_EQ(
+      ContainmentChecker(model_of({ball(0.5)}), mesh)(Containment::within, {}, {.interrupted = [] { return true; }})
+          .verdict,
+      Verdict::unproved);
+}
+
+/// About the top of this surface, which crosses itself, it winds the other way: parity says inside there.
+TEST(ContainmentChecker, DoesNotRefuteWhereTheMeshCrossesItself) {
+  Mesh crossing = cube(1.0);
+  for (std::size_t corner = 4; corner < 8; ++corner) {
+    crossing.vertices[corner][0] *= -0.5;
+    crossing.vertices[corner][1] *= 0.5;
+  }
+  const Point top{0.0, 0.0, 0.8};
+  EXPECT_EQ(verify::ClosedSurface(verify::triangles_of(crossing)).odd(top), true);
+  EXPECT_NE(ContainmentChecker(model_of({ball(0.02, top)}), crossing)(Containment::within, {}).verdict,
+            Verdict::refuted);
+}
+
+/// Whatever the certificate says, a hollow is not filled.
+TEST(ContainmentChecker, BelievesNoForgedCertificate) {
+  const Model hollow = model_of(walls());
+  const ContainmentChecker checker(hollow, cube(2.0));
+  ContainmentCertificate forged;
+  for (std::uint32_t i = 0; i < 6; ++i)
+    for (std::uint32_t j = i + 1; j < 6; ++j) forged.apart.push_back({i, j, {1.0, 0.3, -0.2}, {}, {}});
+  for (std::uint32_t i = 0; i < 3; ++i)
+    for (std::uint32_t k = i + 3; k < 6; ++k) forged.common.push_back({{i, i + 1, i + 2, k}, {2.0, 2.0, 2.0}});
+  forged.common.push_back({{5, 5, 5, 5}, {2.0, 2.0, 2.0}});
+  forged.common.push_back({{0, 1, 2, 77}, {2.0, 2.0, 2.0}});
+  forged.apart.push_back({77, 0, {1.0, 0.0, 0.0}, {}, {}});
+  forged.apart.push_back({0, 77, {1.0, 0.0, 0.0}, {}, {}});
+  EXPECT_EQ(checker(Containment::around, forged).verdict, Verdict::unproved);
+  std::vector<Primitive> filled = walls();
+  filled.push_back(block("filling", {1.9, 1.9, 1.9}, {0.0, 0.0, 0.0}));
+  const ContainmentChecker of_filled(model_of(filled), cube(2.0));
+  ContainmentCertificate less = proof(model_of(filled), cube(2.0), Containment::around).certificate;
+  EXPECT_EQ(of_filled(Containment::around, less).verdict, Verdict::proved);
+  less.common.pop_back();
+  EXPECT_EQ(of_filled(Containment::around, less).verdict, Verdict::unproved);
+}
+
+TEST(ContainmentChecker, RefusesMeshesThatAreNotClosed) {
+  Mesh open = cube(1.0);
+  open.triangles.pop_back();
+  EXPECT_THROW(ContainmentChecker(model_of({ball(0.1)}), open), Error);
+  Mesh turned = cube(1.0);
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  EXPECT_THROW(ContainmentChecker(model_of({ball(0.1)}), turned), Error);
+  Model cut = model_of({ball(0.1)});
+  cut.csg = SetExpression{};
+  EXPECT_THROW(ContainmentChecker(cut, cube(1.0)), Error);
 }
 
 TEST(ContainmentTest, ParityKnowsInsideFromOutside) {

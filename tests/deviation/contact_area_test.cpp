@@ -1,6 +1,4 @@
 /// Areas in contact contain those that geometry gives, and those of dense samples.
-#include "verisq/contact_area.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,12 +6,13 @@
 #include <cmath>
 #include <numbers>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "verisq/deviation.hpp"
 
 namespace verisq::testing {
 namespace {

@@ -1,7 +1,5 @@
 /// Certificates of areas in contact prove what was found, and never what is false. VERISQ_FORGED_CONTACTS says how many
 /// changes of each case are tried.
-#include "verisq/contact_certificate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/brute_force.hpp"
@@ -20,7 +18,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verisq/certified_contact.hpp"
+#include "verisq/deviation.hpp"
 
 namespace verisq::testing {
 namespace {

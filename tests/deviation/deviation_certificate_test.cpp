@@ -1,7 +1,6 @@
 /// Certificates of deviations prove what was found, and never what is false. VERISQ_FORGED_DEVIATIONS says how many
 /// changes of each case are tried.
-#include "verisq/deviation_certificate.hpp"
-
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,15 +9,16 @@
 #include <vector>
 
 #include "host/threads/parallel.hpp"
+#include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forged_samples.hpp"
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/deviation/triangle_piece.hpp"
-#include "verisq/certified_deviation.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verify/proof/triangle_piece.hpp"
+#include "verisq/deviation.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -133,6 +133,16 @@ TEST(DeviationCertificateTest, OfATriangleAcrossTheHollowOfABend) {
   const Point centre = verify::centre({across.vertices[0], across.vertices[1], across.vertices[2]});
   by_centre.triangles[0] = {{PieceProof::centre}, {SignedDistance(answer.model).certified(centre, 1e-6)}};
   expect_true_of(proven_of(answer.model, across, by_centre), answer.found);
+}
+
+TEST(DeviationCertificateTest, OfExtremeLengthsThereIsNone) {
+  for (const double size : {1e-200, 1e-150, 1e150, 1e300}) {
+    const Model ball{"", {superquadric({size, size, size}, {1, 1}, {})}};
+    const Mesh mesh{{{4.0 * size, 0, 0}, {0, 4.0 * size, 0}, {0, 0, 4.0 * size}}, {{0, 1, 2}}};
+    expect_error([&] { (void)certified(ball, mesh); }, ErrorKind::input,
+                 fmt::format("lengths of about {:.0e}", 4.0 * size),
+                 ": a certificate of a deviation takes lengths from 1e-144 to 1e144; scale model and mesh");
+  }
 }
 
 TEST(DeviationCertificateTest, OfACloudItsPointsAreProven) {

@@ -17,7 +17,7 @@
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
-#include "verify/deviation/model_distances.hpp"
+#include "verify/search/model_distances.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -289,6 +289,43 @@ TEST(ModelDistances, OfABentAndTaperedSurface) {
   EXPECT_FALSE(found.ended);
   EXPECT_LE(found.mean.width(), tolerance * found.mean.hi);
   expect_statistics_of_model({{0.0, infinity}, {}, found.mean, found.percentiles}, model, mesh);
+}
+
+void expect_scaled(const DistanceStatistics& found, const DistanceStatistics& ordinary, double size) {
+  const auto scaled = [size](const Enclosure& e) { return Enclosure{e.lo * size, e.hi * size}; };
+  EXPECT_EQ(found.largest, scaled(ordinary.largest));
+  EXPECT_EQ(*found.mean, scaled(*ordinary.mean));
+  for (std::size_t i = 0; i < ordinary.percentiles.size(); ++i)
+    EXPECT_EQ(found.percentiles.at(i), scaled(ordinary.percentiles[i]));
+}
+
+// In units of their size they are the same numbers: squares and cubes of these lengths are none of binary64.
+TEST(Deviation, OfHugeAndTinyModelsIsThatOfOrdinaryOnes) {
+  const auto at_size = [](double size) {
+    Mesh mesh = torus_mesh(3.0, 1.0, 6, 4);
+    for (Point& vertex : mesh.vertices) {
+      for (double& coordinate : vertex) coordinate *= size;
+    }
+    const Model model{"",
+                      {solid({2.0 * size, 1.5 * size, size}, {0.5, 1.0}, {0, 0, 0}),
+                       solid({size, size, size}, {1.0, 1.0}, {size, 0, 0})}};
+    DeviationOptions options = on_host();
+    options.relative_tolerance = 0.2;
+    options.statistics_of_model = true;
+    return deviation(model, mesh, options);
+  };
+  const Deviation ordinary = at_size(1.0);
+  EXPECT_TRUE(ordinary.to_tolerance);
+  for (const double size : {0x1p-997, 0x1p997}) {
+    SCOPED_TRACE(size);
+    const Deviation found = at_size(size);
+    EXPECT_TRUE(found.to_tolerance);
+    expect_scaled(found.of_vertices, ordinary.of_vertices, size);
+    expect_scaled(*found.from_mesh, *ordinary.from_mesh, size);
+    expect_scaled(*found.from_model, *ordinary.from_model, size);
+    EXPECT_EQ(found.vertices[0].distance.lo, ordinary.vertices[0].distance.lo * size);
+    EXPECT_EQ(found.hausdorff->hi, ordinary.hausdorff->hi * size);
+  }
 }
 
 TEST(Deviation, TellsWhereItIs) {

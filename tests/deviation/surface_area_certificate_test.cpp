@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/deviation/certified_cover.hpp"
-#include "host/deviation/certified_place.hpp"
+#include "host/plan/certified_deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/sampled_surface.hpp"
 #include "tests/deviation/surface_scenes.hpp"
@@ -19,9 +18,8 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/deviation/chosen_cells.hpp"
-#include "verisq/certified_contact.hpp"
-#include "verisq/certified_deviation.hpp"
+#include "verify/search/model_distances.hpp"
+#include "verisq/deviation.hpp"
 
 namespace verisq::testing {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/deviation/certified_surface.hpp"
+#include "host/plan/certified_deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/brute_force.hpp"
 #include "tests/deviation/surface_scenes.hpp"
@@ -19,9 +19,9 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/deviation/farthest_patch.hpp"
-#include "verisq/certified_deviation.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verify/search/model_distances.hpp"
+#include "verisq/deviation.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::testing {
 namespace {

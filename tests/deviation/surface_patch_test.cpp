@@ -1,5 +1,5 @@
 /// Patches of random primitives contain the surface points that belong to them, and shrink quadratically.
-#include "verify/deviation/surface_patch.hpp"
+#include "verify/proof/surface_patch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/random.hpp"
-#include "verify/deviation/weighted_patch.hpp"
+#include "verify/proof/proven_surface.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,14 +1,11 @@
 /// Distances of points from triangles, slivers and points among them, against long double.
-#include "verify/deviation/triangle_distance_bounds.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/random.hpp"
-#include "verify/deviation/polygon_distance.hpp"
-#include "verify/deviation/triangle_tree.hpp"
+#include "verify/proof/triangle_tree.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,5 +1,5 @@
 /// What corners and centre prove of a piece of a triangle, against distances at many of its points.
-#include "verify/deviation/triangle_piece.hpp"
+#include "verify/proof/triangle_piece.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/random.hpp"
-#include "verify/deviation/weighted_cells.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -160,6 +159,35 @@ TEST(WeightedCells, MeanAndPercentilesOfKnownOnes) {
   EXPECT_EQ(distribution.percentile(94.5), (Enclosure{95.0, 95.5}));
   EXPECT_EQ(distribution.percentile(100.0), (Enclosure{100.0, 100.5}));
   EXPECT_EQ(distribution.percentile(0.5), (Enclosure{1.0, 1.5}));
+}
+
+/// Whole numbers from 1, each known exactly.
+std::vector<WeightedCell> whole_numbers(int count) {
+  std::vector<WeightedCell> cells;
+  for (int i = 1; i <= count; ++i) {
+    const Enclosure value{static_cast<double>(i), static_cast<double>(i)};
+    cells.push_back({{1.0, 1.0}, value, value});
+  }
+  return cells;
+}
+
+// In thousandths of a percent: the rank is the least integer that is at least n p / 100.
+TEST(WeightedCells, RanksAreExact) {
+  Random random(4);
+  for (int n = 0; n < 2000; ++n) {
+    const auto count = static_cast<int>(random.uniform(1.0, 400.0));
+    const std::array<int, 4> steps{1, 100, 1000, 12500};
+    const int step = steps[static_cast<std::size_t>(n) % steps.size()];
+    const int thousandths = step * static_cast<int>(random.uniform(1.0, 100000.0 / step + 0.999));
+    const std::int64_t product = static_cast<std::int64_t>(thousandths) * count;
+    const auto rank = static_cast<double>((product + 99999) / 100000);
+    const std::vector<WeightedCell> cells = whole_numbers(count);
+    EXPECT_EQ(Distribution(cells).percentile(thousandths / 1000.0), (Enclosure{rank, rank}))
+        << count << " of " << thousandths;
+  }
+  const std::vector<WeightedCell> thousand = whole_numbers(1000);
+  EXPECT_EQ(Distribution(thousand).percentile(99.9), (Enclosure{999.0, 999.0}));  // 99.9 in binary64 is above 99.9
+  EXPECT_TRUE(Distribution(whole_numbers(3)).percentile(100.0 / 3.0).contains(1.0));
 }
 
 TEST(WeightedCells, AffineBoundsNarrowPercentiles) {

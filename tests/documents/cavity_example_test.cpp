@@ -6,10 +6,9 @@
 #include <cstddef>
 #include <string>
 #include <vector>
-#include <verisq/mesh_file.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/mesh_topology.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
-#include <verisq/model_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/documents/fenced_blocks.hpp"
 #include "tests/fixtures/places.hpp"

@@ -1,7 +1,5 @@
 /// Claims of features are proved where they contain what 127-bit intervals give, and never else. VERISQ_FORGED_FEATURES
 /// says how many femora are tried.
-#include "verisq/features_certificate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/features.hpp"
 
 namespace verisq {
 namespace {

@@ -8,9 +8,11 @@
 #include <random>
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
-#include <verisq/landmark_file.hpp>
+#include <verisq/files.hpp>
 
+#include "host/prepare/femur.hpp"
 #include "tests/features/synthetic_femur.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -327,6 +329,37 @@ TEST(DetectedFemurTest, RefusesWhatIsNoFemur) {
   Mesh metres = one;
   for (Point& x : metres.vertices) x = {x[0] / 1000.0, x[1] / 1000.0, x[2] / 1000.0};
   expect_refusal(metres, "no femur in millimetres");
+}
+
+/// Its condyles, of few large triangles, cover the sphere of another bone's head to 131 %.
+TEST(DetectedFemurTest, RefusesAHeadThatIsCoveredTwice) {
+  expect_refusal(read_mesh(places::source() + "/tests/features/coarse_bone.off"),
+                 "would be covered to 131 %, more than the whole: triangles are too large to tell");
+}
+
+TEST(DetectedFemurTest, RefusesWhatNoFemurHas) {
+  constexpr double step = 4.0;
+  expect_refusal(mesh_of({.ccd_degrees = 172.0}, Side::right, step), "degrees, and bones have 75 to 165");
+  expect_refusal(mesh_of({.neck_length = 125.0}, Side::left, step),
+                 "offset (head's centre to the shaft axis) would be");
+  expect_refusal(mesh_of({.head_radius = 34.0}, Side::left, step),
+                 "times the head's radius of 34.0 mm, and bones have 7");
+}
+
+TEST(DetectedFemurTest, RefusesHeadsAndNecksThatAreNone) {
+  const auto refused = [](const features::HeadSphere& head, double distance, const std::string& words) {
+    try {
+      features::check_head_and_neck(head, {{0, 0, 0}, 90.0, distance});
+      EXPECT_EQ(words, "");
+    } catch (const Error& error) {
+      EXPECT_NE(words, "");
+      EXPECT_THAT(error.what(), HasSubstr(words));
+    }
+  };
+  refused({{1, 2, 3}, 24.0, 0.7, 100}, 24.0, "");
+  refused({{1, 2, 3}, 24.0, 1.01, 100}, 24.0, "covered to 101 %");
+  refused({{1, 2, 3}, 24.0, 0.7, 39}, 24.0, "that of 39 vertices, and 40 can tell it");
+  refused({{1, 2, 3}, 24.0, 0.7, 100}, 18.0, "narrowest 18.0 mm from its centre");
 }
 
 TEST(LandmarkFileTest, IsReadAsItWasWritten) {

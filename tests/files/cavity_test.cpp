@@ -7,8 +7,8 @@
 #include <bit>
 #include <cstdint>
 #include <string>
-#include <verisq/cavity.hpp>
-#include <verisq/model_file.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"

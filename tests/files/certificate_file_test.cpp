@@ -12,7 +12,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/error.hpp>
 
-#include "host/files/sha256.hpp"
+#include "host/files/input_file.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -344,7 +344,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
   };
   refused("/kind", "recovery",
           "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", "
-          "\"deviation\", \"contact\", "
+          "\"deviation\", \"contact\", \"containment\", "
           "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
@@ -490,6 +490,32 @@ TEST(CertificateFile, RefusesWhatIsNoContact) {
   nlohmann::json claim_alone = valid;
   claim_alone.erase("surface");
   EXPECT_THROW((void)parse_answer(claim_alone.dump(), "alone.json"), Error);
+}
+
+TEST(CertificateFile, OfAContainmentGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const ContainmentAnswer written{.model = {"hull.json", sha256("h")},
+                                  .mesh = {"b.stl", sha256("b")},
+                                  .units = "mm",
+                                  .containment = Containment::around,
+                                  .certificate = {.apart = {{0, 4, {0.1, 0, 1}, {1, 2, 3}, {4, 5, 1.0 / 3.0}}},
+                                                  .common = {{{0, 1, 2, 3}, {0.1, -0.2, 1.0 / 3.0}}}}};
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<ContainmentAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.model.sha256, written.model.sha256);
+  EXPECT_EQ(read.units, "mm");
+  EXPECT_EQ(read.containment, Containment::around);
+  ASSERT_EQ(read.certificate.apart.size(), 1U);
+  EXPECT_EQ(read.certificate.apart[0].on_b, written.certificate.apart[0].on_b);
+  ASSERT_EQ(read.certificate.common.size(), 1U);
+  EXPECT_EQ(read.certificate.common[0].primitives, written.certificate.common[0].primitives);
+  EXPECT_EQ(read.certificate.common[0].point, written.certificate.common[0].point);
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json valid = nlohmann::json::parse(in);
+  expect_refused_change(valid, "/containment", "beside", "must be \"within\" or \"around\"");
+  expect_refused_change(valid, "/common/0/primitives", {0, 1, 2}, "must be an array of four indices");
+  expect_refused_change(valid, "/common/0/primitives/0", -1, "must be an index");
+  expect_refused_change(valid, "/apart/0/side", 1, "unknown key");
 }
 
 TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {

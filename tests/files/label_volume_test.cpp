@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
-#include <verisq/label_volume.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
@@ -202,6 +202,14 @@ TEST_F(LabelVolumes, OfNiftiAreInMillimetres) {
   const LabelVolume volume = read("a.nii", file.header() + volume_bytes<std::int16_t>({0, 1}));
   EXPECT_EQ(volume.space, AnatomicalSpace::unknown);
   EXPECT_EQ(volume.steps[0], (Point{500, 0, 0}));
+}
+
+TEST_F(LabelVolumes, OfNiftiWithoutASlopeAreNotScaled) {
+  for (const float slope : {0.0F, 1.0F, std::nanf("")}) {
+    NiftiFile file({2, 1, 1}, std::endian::little);
+    file.set<float>(112, slope);
+    EXPECT_THAT(read("a.nii", file.header() + volume_bytes<std::int16_t>({7, 9})).labels, ElementsAre(7, 9));
+  }
 }
 
 TEST_F(LabelVolumes, OfNiftiAreRefusedInOneLine) {

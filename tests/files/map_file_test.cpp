@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 #include <verisq/enclosure.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/mesh_file.hpp>
 
-#include "host/files/byte_order.hpp"
+#include "host/files/input_file.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -760,7 +760,7 @@ TEST(MapReader, RefusesOtherFormats) {
 
 TEST(MapReader, RefusesMapsWithoutCertificates) {
   const TemporaryFolder folder;
-  const std::string advice = "written without --certificates: map again with --certificates";
+  const std::string advice = "written without `certificates`: map again with `certificates`";
   write(folder / "map.csv", nullptr);
   expect_input_error([&] { read_map(folder / "map.csv"); }, folder / "map.csv", ": line 1: " + advice);
   write(folder / "map.vtp", nullptr);
@@ -1259,8 +1259,9 @@ TEST(MapFile, RefusesUnknownExtensionsAtOnce) {
   const TemporaryFolder folder;
   for (const std::string extension : {".xyz", "", ".vtu"}) {
     const auto path = folder / ("map" + extension);
+    const std::string more = extension.empty() ? "; end the file's name in one, or name the format" : "";
     expect_input_error([&] { MapWriter writer(path, nullptr); }, path,
-                       ": unknown map format '" + extension + "': known are .csv, .npy, .vtp, .ply, .json");
+                       ": unknown map format '" + extension + "': known are .csv, .npy, .vtp, .ply, .json" + more);
   }
   EXPECT_THAT(folder.names(), IsEmpty());
 }

@@ -8,10 +8,10 @@
 #include <limits>
 #include <string>
 #include <verisq/enclosure.hpp>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 
-#include "host/files/byte_order.hpp"
-#include "host/files/triangle_area.hpp"
+#include "host/files/input_file.hpp"
+#include "host/files/polygon_triangles.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -75,6 +75,8 @@ TEST(MeshFile, RefusesWhatIsNoMeshFile) {
   refused(folder.file("m", "x"), ": unknown mesh format '': known are .stl, .obj, .ply, .off");
   std::filesystem::create_directory(folder / "d.stl");
   refused(folder / "d.stl", ": is a directory, not a file");
+  std::filesystem::create_directory(folder / "d");
+  refused(folder / "d", ": is a directory, not a file");
   for (const char* name : {"m.stl", "m.obj", "m.ply", "m.off"}) refused(folder.file(name, ""), ": the file is empty");
 }
 
@@ -179,6 +181,19 @@ TEST(Stl, RefusesBinary) {
   expect_refusal(".stl", "Hello", ": not an STL file: text that does not start with 'solid'");
 }
 
+TEST(Stl, ALineEndMayFollow) {
+  const std::string whole = binary_stl(two_triangles, std::string("by hand\0", 8));
+  EXPECT_EQ(read(".stl", whole + "\n").triangles.size(), 2U);
+  EXPECT_EQ(read(".stl", whole + "\r\n").triangles.size(), 2U);
+  expect_refusal(".stl", whole + "\n\n",
+                 ": too long: the header promises 2 triangles, 184 bytes; the file has 186 bytes");
+}
+
+TEST(Stl, TextWithAZeroByteIsText) {
+  expect_refusal(".stl", "solid a\n" + facet("0 0 0", "1 0 0", "0 1 0") + std::string("endsolid a\n\0", 12),
+                 ": line 10: expected 'solid', found '\\x00'");
+}
+
 TEST(Stl, RefusesBinaryValues) {
   auto triangles = two_triangles;
   triangles[1][1][2] = nan;
@@ -249,7 +264,65 @@ TEST(Obj, Refuses) {
   expect_refusal(".obj", three + "\nf 1 2 2\n",
                  ": line 5: triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (1, 0, 0)");
   expect_refusal(".obj", "# nothing\n", ": no vertices");
-  expect_refusal(".obj", std::string("\0\1\2", 3), ": no vertices");
+  expect_refusal(".obj", std::string("\0\1\2", 3), ": line 1: record '\\x00\\x01\\x02': not one of OBJ");
+}
+
+TEST(Obj, RefusesRecordsThatAreGeometryToOthers) {
+  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  expect_refusal(".obj", "V 0 0 0\n" + three, ": line 1: record 'V': not one of OBJ");
+  expect_refusal(".obj", "\xA0v 0 0 0\n" + three, ": line 1: record '\\xa0v': not one of OBJ");
+  expect_refusal(".obj", three + "face 1 2 3\n", ": line 4: record 'face': not one of OBJ");
+  for (const std::string record : {"surf", "curv", "bzp", "cstype", "call"}) {
+    expect_refusal(".obj", three + record + " 0 1\n",
+                   ": line 4: record '" + record +
+                       "': only surfaces of polygons in one file are read, by v and f; export polygons");
+  }
+  EXPECT_EQ(
+      read(".obj", three + "o a\ng a b\ns off\nusemtl x\nvp 0.5\np 1\nl 1 2 3\nlod 1\nfo 1 2 3\n").triangles.size(),
+      1U);
+}
+
+TEST(Obj, RecordsGoOnBehindABackslash) {
+  const std::string four = "v 0 0 0\nv 10 0 \\\r\n 0\nv 10 10 0\nv 0 10 0\n";
+  EXPECT_THAT(read(".obj", four + "f 1 2 \\\n3 \\ \n\\\n 4 # the last\n").triangles,
+              ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
+  // One that ends a comment, or a folder's name, does not take the next record with it.
+  EXPECT_EQ(read(".obj", "# C:\\bones\\\n" + four).vertices.size(), 4U);
+  expect_refusal(".obj", "mtllib C:\\bones\\\n" + four,
+                 ": line 2: record 'v' behind a line that ends with a backslash: it would belong to that");
+  expect_refusal(".obj", four + "f 1 2 3 \\",
+                 ": line 6: truncated: the file ends where a line should follow that ends with a backslash");
+}
+
+// --- polygons --------------------------------------------------------------------------------------------------------
+
+TEST(Polygons, OfAllFormatsAreCutAlike) {
+  const auto expect_cut = [](const Mesh& mesh) {
+    ASSERT_EQ(mesh.triangles.size(), 4U);
+    double area = 0.0;
+    for (const Triangle& corners : mesh.triangles) {
+      const auto at = [&](std::size_t corner, std::size_t axis) {
+        return mesh.vertices[corners[corner]][axis] - mesh.vertices[corners[0]][axis];
+      };
+      const double twice = at(1, 0) * at(2, 1) - at(1, 1) * at(2, 0);
+      EXPECT_GT(twice, 0.0);
+      area += twice / 2;
+    }
+    EXPECT_EQ(area, 3.0) << "of the L";
+  };
+  const std::string points = "0 0 0\n2 0 0\n2 1 0\n1 1 0\n1 2 0\n0 2 0\n";
+  expect_cut(read(".off", "OFF\n6 1 0\n" + points + "6 2 3 4 5 0 1\n"));
+  expect_cut(read(".ply",
+                  "ply\nformat ascii 1.0\nelement vertex 6\nproperty int x\nproperty int y\nproperty int z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+                      points + "6 2 3 4 5 0 1\n"));
+  expect_cut(read(".obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n"));
+}
+
+TEST(Polygons, AreRefusedByTheirNumber) {
+  expect_refusal(".off", "OFF\n4 2 0\n0 0 0\n1 1 0\n1 0 0\n0 1 0\n3 0 1 2\n4 0 1 2 3\n",
+                 ": line 8: face 2: its outline crosses or touches itself, at the edges from corners 1 and 3; split it "
+                 "into triangles");
 }
 
 TEST(Obj, RefusesEndlessLines) {
@@ -314,6 +387,15 @@ TEST(Ply, BinaryOfBothByteOrders) {
   }
 }
 
+TEST(Ply, CommentsMayComeFirstAndALineEndLast) {
+  const std::string rest = "element vertex 1\nproperty char x\nproperty char y\nproperty char z\nend_header\n";
+  for (const std::string end : {"", "\n", "\r\n"}) {
+    EXPECT_THAT(
+        read(".ply", "ply\ncomment by hand\nformat binary_little_endian 1.0\n" + rest + "\1\2\3" + end).vertices,
+        ElementsAre(Point{1, 2, 3}));
+  }
+}
+
 TEST(Ply, HeaderWithCarriageReturns) {
   const Mesh mesh = read(".ply",
                          "ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty float x\r\nproperty float y\r\n"
@@ -363,7 +445,7 @@ TEST(Ply, RefusesAscii) {
 TEST(Ply, RefusesHeaders) {
   const auto refused = [](const std::string& text, const std::string& rest) { expect_refusal(".ply", text, rest); };
   refused("solid\n", ": line 1: not a PLY file: the first line must be 'ply'");
-  refused("ply\nelement vertex 1\n", ": line 2: the line after 'ply' must be 'format ENCODING 1.0'");
+  refused("ply\nelement vertex 1\n", ": line 2: the first line after 'ply' and comments must be 'format ENCODING 1.0'");
   refused("ply\nformat ascii 2.0\n", ": line 2: version '2.0': must be 1.0");
   refused("ply\nformat binary 1.0\n",
           ": line 2: format 'binary': known are ascii, binary_little_endian, binary_big_endian");
@@ -441,7 +523,8 @@ TEST(Ply, RefusesBinary) {
 
 TEST(Off, FormsOfTheHeader) {
   const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n";
-  for (const std::string header : {"OFF\n4 1 0\n", "OFF 4 1 6\n", "4 1 0\n", "OFF\n# comment\n\n4 1 # counts\n"}) {
+  for (const std::string header : {"OFF\n4 1 0\n", "OFF 4 1 6\n", "4 1 0\n", "OFF\n# comment\n\n4 1 # counts\n",
+                                   "off\n4 1 0\n", "OFF4 1 0\n", "Off4\t1 0\n"}) {
     const Mesh mesh = read(".off", header + body);
     EXPECT_EQ(mesh.vertices.size(), 4U) << header;
     EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2})) << header;
@@ -460,6 +543,8 @@ TEST(Off, Refuses) {
   const auto refused = [](const std::string& text, const std::string& rest) { expect_refusal(".off", text, rest); };
   const std::string three = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
   refused("4OFF\n", ": line 1: keyword '4OFF': not supported, OFF with [ST][C][N] before it is");
+  refused("nOFF\n3\n", ": line 1: keyword 'nOFF': not supported, OFF with [ST][C][N] before it is");
+  refused("OFFX\n", ": line 1: keyword 'OFFX': not supported, OFF with [ST][C][N] before it is");
   refused("OFF BINARY\n", ": line 1: binary OFF is not supported");
   refused("OFF\n", ": line 1: truncated: the file ends where the counts should follow");
   refused("OFF\n3\n", ": line 2: number of faces is missing");

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -85,6 +85,17 @@ TEST(WriteMesh, ReplacesAnOlderFileOnlyByACompleteOne) {
   write_mesh(file, testing::tetrahedron());
   EXPECT_EQ(read_mesh(file).triangles.size(), 4U);
   EXPECT_THAT(folder.names(), ElementsAre("mesh.stl"));
+}
+
+TEST(WriteMesh, RefusesVerticesThatBinary32MakesOne) {
+  const TemporaryFolder folder;
+  Mesh apart = testing::tetrahedron();
+  apart.vertices.push_back({1 + 1e-12, 0, 0});
+  apart.triangles[3] = {4, 2, 3};
+  expect_input_error([&] { write_mesh(folder / "mesh.stl", apart); }, folder / "mesh.stl",
+                     ": vertices 1 and 4 are one point once rounded to STL's binary32; write a .ply");
+  EXPECT_THAT(folder.names(), ElementsAre());
+  write_mesh(folder / "mesh.ply", apart);
 }
 
 TEST(WriteMesh, Refuses) {

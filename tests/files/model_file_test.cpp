@@ -9,12 +9,13 @@
 #include <random>
 #include <string>
 #include <tuple>
-#include <verisq/landmark_file.hpp>
-#include <verisq/model_file.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
+#include "verify/proof/uncertain_model.hpp"
 
 namespace verisq {
 namespace {
@@ -221,6 +222,24 @@ TEST(ModelFile, RefusesTenThousandNestedOperatorsInOneShortLine) {
   }
 }
 
+/// Some megabytes; of 60 MiB the tree took 2.1 GB.
+TEST(ModelFile, RefusesValuesThatHoldNextToNothing) {
+  for (const std::string value : {"{},", "[],", "{\"a\":0},"}) {
+    std::string text = "[";
+    for (int i = 0; i < 1'500'000; ++i) text += value;
+    text.back() = ']';
+    try {
+      (void)parse_model(text, "m.json");
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_THAT(error.what(), ::testing::MatchesRegex(
+                                    "m\\.json: \\[[0-9]+\\].*: too many values that hold next to nothing: those up "
+                                    "to here would take [0-9]+ MiB of memory, and the file has [0-9]+ bytes"));
+    }
+  }
+}
+
 TEST(ModelFile, ReadsTenThousandPrimitives) {
   std::string primitives;
   std::string operands;
@@ -423,7 +442,9 @@ TEST(UncertainModelFile, ReadsExactModels) {
 }
 
 TEST(UncertainModelFile, KeepsBendsAndSetOperationsOfExactModels) {
-  const auto exact = [](const std::string& text) { return bracket(parse_uncertain_model(text, "m.json")).largest; };
+  const auto exact = [](const std::string& text) {
+    return verify::bracket_of_primitives(parse_uncertain_model(text, "m.json")).largest;
+  };
   const Model stem = exact(bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 0.5, "angle_deg": 20})"));
   ASSERT_TRUE(stem.primitives[0].bend);
   EXPECT_EQ(stem.primitives[0].bend->curvature, 0.5);

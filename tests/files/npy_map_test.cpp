@@ -8,7 +8,7 @@
 #include <vector>
 #include <verisq/map_file.hpp>
 
-#include "host/files/byte_order.hpp"
+#include "host/files/input_file.hpp"
 #include "host/files/npy_header.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"

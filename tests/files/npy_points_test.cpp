@@ -8,9 +8,9 @@
 #include <limits>
 #include <string>
 #include <vector>
-#include <verisq/point_file.hpp>
+#include <verisq/files.hpp>
 
-#include "host/files/byte_order.hpp"
+#include "host/files/input_file.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/read_all.hpp"
 #include "tests/fixtures/temporary_folder.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 #include <vector>
-#include <verisq/point_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/read_all.hpp"
@@ -59,6 +59,8 @@ TEST(PointFile, PassesOverOtherColumns) {
   EXPECT_THAT(read_text("1 2 3 0.5 0.25\n4 5 6 x y\n"), expected);
   EXPECT_THAT(read_text("id,\"Z\",name, x ,y\nfirst,3,,1,2\n,6,a b,4,5\n"), expected);
   EXPECT_THAT(read_text("normal z y x\n0 3 2 1\r\n0 6 5 4\r\n"), expected);
+  EXPECT_THAT(read_text("//X Y Z\n1 2 3\n4 5 6\n"), expected);
+  EXPECT_THAT(read_text("# z, y, x\n3,2,1\n6,5,4\n"), expected);
 }
 
 TEST(PointFile, RefusesOtherColumnsThatComeAndGo) {

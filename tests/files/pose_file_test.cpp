@@ -3,7 +3,7 @@
 
 #include <string>
 #include <vector>
-#include <verisq/pose_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/read_all.hpp"

@@ -1,6 +1,4 @@
 /// What short decimals are read as is what std::from_chars reads, bit by bit; of other texts nothing is said.
-#include "host/files/short_decimal.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,8 @@
 #include <random>
 #include <string>
 #include <string_view>
+
+#include "host/files/words.hpp"
 
 namespace verisq {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 #include <tuple>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"

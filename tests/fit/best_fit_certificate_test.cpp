@@ -1,21 +1,17 @@
 /// Certificates of how good a fit can be at best: no sampled pose is better, what is found is proved again, and what is
 /// forged is not.
-#include "verisq/best_fit_certificate.hpp"
-
 #include <gmock/gmock.h>
 
 #include <random>
 
-#include "host/fit/candidate_space.hpp"
-#include "host/mesh/eigen_points.hpp"
+#include "host/plan/candidate_evaluation.hpp"
+#include "host/prepare/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/fit_objective.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/small_hook.hpp"
-#include "verify/best_fit/line_above.hpp"
-#include "verify/best_fit/objective_bound.hpp"
-#include "verisq/certified_best_fit.hpp"
+#include "verify/proof/objective_bound.hpp"
 #include "verisq/fit_bound.hpp"
 
 namespace verisq {

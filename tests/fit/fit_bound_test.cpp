@@ -7,13 +7,13 @@
 #include <array>
 #include <random>
 
-#include "host/fit/bounded_implant.hpp"
-#include "host/mesh/eigen_points.hpp"
+#include "host/plan/fit_bound.hpp"
+#include "host/prepare/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/fit_objective.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/small_hook.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
@@ -148,6 +148,38 @@ TEST_P(FieldOfDistances, EnclosesThem) {
 
 INSTANTIATE_TEST_SUITE_P(Tapers, FieldOfDistances, ::testing::Values(1.0, 0.3, 5.0));
 
+/// The model's quaternions and the start's.
+std::pair<Model, Pose> lengthened(Model model, Pose start, int by_model, int by_start) {
+  for (Primitive& primitive : model.primitives)
+    for (double& x : primitive.pose.quaternion) x = std::ldexp(x, by_model);
+  for (double& x : start.quaternion) x = std::ldexp(x, by_start);
+  return {model, start};
+}
+
+TEST(FitBound, DoesNotDependOnLengthsOfQuaternions) {
+  const Model stone{"mm", {{"stone", {{1.0, 1.2, 1.5}, {1.0, 1.0}}, {{}, {1.0, 0.0, 1.0, 0.5}}, {}}}, {}};
+  const Cavity cavity = testing::offset_cavity(stone, kPlay, 12);
+  FitBoundOptions how = options(cementless(0.5, 0.1), 1.0, 10.0);
+  how.device = "host";
+  const BoundedImplant bounded(UncertainModel(stone), weighted(cavity), how);
+  FitObjective objective(cavity, how.fitness, how.penetration_limit);
+  Poses poses;
+  const PoseParameters range = Eigen::Map<const PoseParameters>(bounded.space().upper().data());
+  const std::array<std::array<int, 2>, 2> exponents{{{-700, 600}, {1000, -1000}}};
+  for (const auto& [by_model, by_start] : exponents) {
+    const auto [same, start] = lengthened(stone, how.range.start, by_model, by_start);
+    FitBoundOptions from_there = how;
+    from_there.range.start = start;
+    const BoundedImplant other(UncertainModel(same), weighted(cavity), from_there);
+    for (int i = 0; i < 20; ++i) {
+      const PoseBox box{poses.within({PoseParameters::Zero(), 0.5 * range}), 0.02 * range};
+      EXPECT_EQ(other(box).upper, bounded(box).upper) << by_model << " " << by_start;
+      const auto at = numbers(poses.within(box));
+      EXPECT_EQ(objective(other.space(), at), objective(bounded.space(), at)) << by_model << " " << by_start;
+    }
+  }
+}
+
 TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   const Model implant = small_hook();
   const Cavity cavity = testing::offset_cavity(implant, kPlay, 30);
@@ -235,6 +267,24 @@ TEST(FitBound, MeetsABetterPoseAndEndsInTime) {
   EXPECT_LE(bound.promising->objective, bound.upper);
 }
 
+/// Boxes of a large mesh take long: few are looked at after the limit, and what is not looked at keeps its whole's
+/// bound.
+TEST(FitBound, EndsWithinABatchOfBoxes) {
+  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 20);
+  const UncertainModel exact = small_hook();
+  FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
+  how.known = 0.5;
+  how.gap = 0.01;
+  bool begun = false;
+  std::size_t polls = 0;
+  how.progress = [&begun](const FitBoundProgress& progress) { begun = begun || progress.open > 100; };
+  how.out_of_time = [&] { return begun && ++polls > 20; };
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(bound.out_of_time);
+  EXPECT_LT(bound.boxes, 1024U);
+  EXPECT_GE(bound.upper, bound.promising ? bound.promising->objective : how.known);
+}
+
 TEST(FitBound, SaysNoMoreThanTheWeightsWhereItEndsBeforeItBegins) {
   const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 4);
   FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
@@ -269,6 +319,41 @@ TEST(FitBound, NeedsNoProposalToBeRight) {
     const double lower =
         std::min({node.nearest[0].distance(x), node.nearest[1].distance(x), node.others - (x - place).norm()});
     EXPECT_LE(lower, x.norm() - 1.0);
+  }
+}
+
+TEST(FitBound, NeedsNoProposalOfLengthOne) {
+  const Model ball{"mm", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, {}}}, {}};
+  for (const double length : {1e-320, 2e-162, 1e-160, 1e200, 1e308}) {
+    verify::DistanceField field(ball, 3.0, 100.0);
+    for (std::size_t slab = 0; slab < field.slabs(); ++slab) {
+      field.find_slab(slab, [length](std::size_t, const Eigen::Vector3d& x) -> Eigen::Vector3d {
+        return length * (x / (x.cwiseAbs().maxCoeff() + 1e-3));
+      });
+    }
+    for (const double r : {0.1, 0.5, 1.2, 3.0}) {
+      const Eigen::Vector3d x(0.6 * r, 0.64 * r, -0.48 * r);
+      const verify::DistanceField::Node& node = field.near(x).node;
+      const double lower = node.nearest[0].distance(x);
+      EXPECT_LE(lower, r - 1.0) << length;
+      EXPECT_GE(lower, r - 1.0 - 0.4) << length;
+    }
+  }
+}
+
+/// In binary32 the half-spaces of such a model would be no bounds.
+TEST(FitBound, RefusesLengthsThatItsNumbersCannotHold) {
+  for (const double size : {1e-40, 1e40, 1e-200, 1e200}) {
+    const Cavity cavity{{{2.0 * size, 0.0, 0.0}}, {{"all", 1.0}}, {0}};
+    const UncertainModel exact = Model{"mm", {{"ball", {{size, size, size}, {1.0, 1.0}}, {}, {}}}, {}};
+    FitBoundOptions how = options(cementless(size, 0.0), size, 3.0);
+    how.range.start.translation = {};
+    EXPECT_THAT(
+        [&] {
+          (void)bound_fit({&exact, 1}, cavity, how);
+        },
+        ::testing::ThrowsMessage<Error>(::testing::HasSubstr("give all lengths in another unit")))
+        << size;
   }
 }
 

@@ -12,21 +12,19 @@
 #include <random>
 
 #include "host/device/device.hpp"
-#include "host/fit/candidate_space.hpp"
-#include "host/fit/host_evaluator.hpp"
-#include "host/fit/nlopt_maximiser.hpp"
-#include "host/fit/pose_objective.hpp"
+#include "host/plan/candidate_evaluation.hpp"
+#include "host/plan/pose_search.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
-#include "verify/sets/bounding_box.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verisq/clearance.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
-#include "verisq/mesh_clearance.hpp"
-#include "verisq/model_file.hpp"
-#include "verisq/posed_model.hpp"
+#include "verisq/files.hpp"
 
 namespace verisq {
 namespace {
@@ -283,6 +281,22 @@ TEST(Fit, InterruptedReturnsTheBestSoFar) {
       EXPECT_NEAR(deviation(implant, best.pose).translation, Vector3d(4.0, -4.0, 5.0).norm(), 1e-9);
     }
   }
+}
+
+TEST(Fit, OutOfTimeReturnsTheBestSoFar) {
+  const Model implant = hook();
+  const Cavity cavity = testing::offset_cavity(implant, kGap, 40);
+  FitOptions how = options(moved_off(implant, {4.0, -4.0, 5.0}, {0.1, 0.2, -0.15}), 8.0, 20.0);
+  how.penetration_limit = 100.0;
+  how.samples = 256;
+  const std::uint64_t all = fit_one(implant, cavity, how).poses;
+  int polled = 0;
+  how.out_of_time = [&] { return polled++ >= 3; };
+  const Fit best = fit_one(implant, cavity, how);
+  EXPECT_TRUE(best.out_of_time);
+  EXPECT_FALSE(best.interrupted);
+  EXPECT_TRUE(best.within_limit);
+  EXPECT_LT(best.poses, all / 4);
 }
 
 TEST(Fit, ProgressGrows) {
@@ -542,7 +556,7 @@ TEST(Fit, RefusesWhatItCannotFit) {
 class RandomScene {
  public:
   /// With sections at one end up to 2.7 times those at the other. Beyond exponents of 1.4 the device's search may miss
-  /// the closest point (host/fit/pose_objective.hpp).
+  /// the closest point (host/plan/pose_search.hpp).
   Candidate tapered_candidate(std::size_t primitives) {
     Candidate result = candidate(primitives);
     for (Primitive& primitive : result.primitives) {
@@ -697,7 +711,7 @@ TEST(HostEvaluator, BoundHoldsWithinTheCell) {
 }
 
 /// Two searches may end at different locally shortest ways out, and a few miss the closest point: which ones, depends
-/// on the last digits of a device's logarithms (host/fit/pose_objective.hpp).
+/// on the last digits of a device's logarithms (host/plan/pose_search.hpp).
 struct EndsOfSearches {
   std::array<std::size_t, 2> of{};         ///< points outside, inside
   std::array<std::size_t, 2> elsewhere{};  ///< of those

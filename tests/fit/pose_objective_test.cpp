@@ -1,7 +1,5 @@
 /// The evaluation of candidates on a device against proven distances, against differences of itself, and against sums
 /// of its own distances.
-#include "host/fit/pose_objective.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,10 +10,11 @@
 #include <random>
 #include <vector>
 
-#include "host/batches/rotation.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/plan/pose_search.hpp"
+#include "verisq/clearance.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/fitness.hpp"
-#include "verisq/signed_distance.hpp"
 
 namespace verisq::device {
 namespace {

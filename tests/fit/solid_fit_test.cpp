@@ -8,16 +8,15 @@
 #include <random>
 #include <vector>
 
-#include "host/fit/bent_projection.hpp"
-#include "host/fit/candidate_space.hpp"
-#include "host/fit/host_evaluator.hpp"
+#include "host/plan/candidate_evaluation.hpp"
+#include "host/plan/primitive_projection.hpp"
 #include "tests/fixtures/error_matchers.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
+#include "verisq/files.hpp"
 #include "verisq/fit.hpp"
 #include "verisq/fit_bound.hpp"
-#include "verisq/model_file.hpp"
-#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {

@@ -151,6 +151,11 @@ void check_answer(const DeviationAnswer& answer) {
   if (surface) check_cover(surface->cover);
 }
 
+void check_answer(const ContainmentAnswer& answer) {
+  for (const Separation& separation : answer.certificate.apart) check(finite(separation.vector), "a vector is finite");
+  for (const CommonPoint& common : answer.certificate.common) check(finite(common.point), "a common point is finite");
+}
+
 void check_answer(const ContactAnswer& answer) {
   check(answer.distance >= 0.0, "a distance is not negative");
   check(answer.claims.by_region.size() == answer.regions.size(), "each region is claimed");
@@ -207,6 +212,10 @@ std::vector<SubjectFile> subjects_of(const EquilibriumAnswer& answer) {
 }
 
 std::vector<SubjectFile> subjects_of(const DeviationAnswer& answer) {
+  return {answer.model, answer.mesh};
+}
+
+std::vector<SubjectFile> subjects_of(const ContainmentAnswer& answer) {
   return {answer.model, answer.mesh};
 }
 

@@ -1,7 +1,7 @@
 /// Fuzz target of parse_landmarks.
 #include <algorithm>
 #include <cmath>
-#include <verisq/landmark_file.hpp>
+#include <verisq/features.hpp>
 
 #include "tests/fuzz/landmark_promise.hpp"
 #include "tests/fuzz/promise.hpp"

@@ -2,8 +2,9 @@
 #include "tests/fuzz/mesh_promise.hpp"
 
 #include <cmath>
-#include <verisq/mesh_file.hpp>
+#include <verisq/files.hpp>
 
+#include "host/files/polygon_triangles.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace verisq::fuzz {
@@ -16,6 +17,8 @@ void check_mesh(const Mesh& mesh) {
   }
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t index : triangle) check(index < mesh.vertices.size(), "indices are those of vertices");
+    const auto& [a, b, c] = triangle;
+    check(!has_zero_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]), "triangles have areas");
   }
 }
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <set>
 #include <span>
-#include <verisq/cavity.hpp>
-#include <verisq/landmark_file.hpp>
-#include <verisq/model_file.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/features.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fuzz/landmark_promise.hpp"
 #include "tests/fuzz/promise.hpp"

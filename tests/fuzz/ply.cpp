@@ -1,5 +1,5 @@
 /// Fuzz target of read_mesh and read_labelled_cavity for PLY, ASCII and binary of both byte orders.
-#include <verisq/cavity.hpp>
+#include <verisq/clearance.hpp>
 
 #include "tests/fuzz/mesh_promise.hpp"
 #include "tests/fuzz/promise.hpp"

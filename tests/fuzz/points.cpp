@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <verisq/point_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fuzz/memory_file.hpp"
 #include "tests/fuzz/promise.hpp"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <verisq/pose_file.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fuzz/memory_file.hpp"
 #include "tests/fuzz/promise.hpp"

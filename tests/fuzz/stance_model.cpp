@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
 
 #include "tests/fuzz/promise.hpp"
 #include "tests/fuzz/targets.hpp"

@@ -2,7 +2,7 @@
 #include "tests/fuzz/volume_promise.hpp"
 
 #include <cmath>
-#include <verisq/label_volume.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fuzz/promise.hpp"
 

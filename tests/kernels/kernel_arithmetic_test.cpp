@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "host/arithmetic/operation_kernels.hpp"
-#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/program.hpp"
+#include "host/device/sample_operations.hpp"
+#include "host/device/self_test.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/opencl/named_kernel.hpp"
+#include "host/device/program.hpp"
 
 namespace verisq::device {
 
@@ -33,9 +33,14 @@ class Launcher {
  public:
   explicit Launcher(const Device& device) : context_(device.context), queue_(device.context, device.device) {}
 
+  /// Memory lies before and behind it: a kernel that is broken on purpose may write there, and must not break the
+  /// process.
   template <class Value>
   [[nodiscard]] cl::Buffer uploaded(const std::vector<Value>& values) const {
-    cl::Buffer buffer(context_, CL_MEM_READ_WRITE, values.size() * sizeof(Value));
+    const std::size_t bytes = values.size() * sizeof(Value);
+    cl::Buffer whole(context_, CL_MEM_READ_WRITE, guard + bytes + guard);
+    const cl_buffer_region region{guard, bytes};
+    cl::Buffer buffer = whole.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
     queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
     return buffer;
   }
@@ -51,6 +56,9 @@ class Launcher {
   }
 
  private:
+  // Bytes: a multiple of every alignment, and more than a judged column has, which is 150 rows of 56 bytes at most.
+  static constexpr std::size_t guard = std::size_t{1} << 16U;
+
   cl::Context context_;
   cl::CommandQueue queue_;
 };

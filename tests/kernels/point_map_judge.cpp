@@ -10,16 +10,15 @@
 #include <random>
 #include <vector>
 
-#include "host/batches/chunk_queue.hpp"
-#include "host/batches/device_model.hpp"
-#include "host/batches/kernel_arguments.hpp"
-#include "host/batches/primitive_parameters.hpp"
-#include "host/batches/row_sums.hpp"
-#include "host/maps/tightest_enclosure.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/chunk_queue.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/point_pipe.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/program.hpp"
+#include "host/maps/certified_rows.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/kernel_launch.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::device {
 namespace {

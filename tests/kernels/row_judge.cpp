@@ -12,14 +12,12 @@
 #include <random>
 #include <span>
 #include <vector>
-#include <verisq/columns.hpp>
+#include <verisq/map.hpp>
 
-#include "host/batches/chunk_queue.hpp"
-#include "host/batches/kernel_arguments.hpp"
-#include "host/batches/row_sums.hpp"
-#include "host/maps/summary_count.hpp"
-#include "host/maps/tightest_enclosure.hpp"
-#include "host/opencl/named_kernel.hpp"
+#include "host/device/chunk_queue.hpp"
+#include "host/device/point_pipe.hpp"
+#include "host/device/program.hpp"
+#include "host/maps/certified_rows.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/kernel_launch.hpp"
 
@@ -76,7 +74,7 @@ class Numbers {
 
 // ---- columns
 
-constexpr double far_away = 0x1p20;  // FAR_AWAY in kernels/caller_memory.clh
+constexpr double far_away = 0x1p20;  // FAR_AWAY in kernels/row_verdict.clh
 
 bool is_finite(const std::array<std::vector<double>, 3>& memories, const std::array<Layout, 3>& layouts,
                std::size_t n) {

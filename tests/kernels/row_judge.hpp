@@ -1,4 +1,4 @@
-/// Judges the kernels between the caller's memory and those of distances, by numbers that are made up: point_columns.cl
+/// Judges the kernels between the caller's memory and those of distances, by numbers that are made up: point_rows.cl
 /// and point_rows.cl.
 #pragma once
 

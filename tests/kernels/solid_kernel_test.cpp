@@ -11,14 +11,14 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/map.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/batches/primitive_parameters.hpp"
-#include "host/batches/solid_batch.hpp"
-#include "host/batches/solid_model.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/program.hpp"
+#include "host/device/solid_batch.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/large_models.hpp"
 #include "tests/fixtures/map_in_memory.hpp"

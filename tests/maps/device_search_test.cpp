@@ -7,13 +7,12 @@
 #include <utility>
 #include <vector>
 #include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "host/maps/map_run.hpp"
-#include "host/maps/piped_run.hpp"
-#include "host/maps/point_feed.hpp"
+#include "host/maps/piped_map.hpp"
 
 namespace verisq {
 namespace {
@@ -76,7 +75,7 @@ MapSummary mapped(std::size_t count, FakeBatch& search) {
   const InsideProver prover;
   const MapOptions options{.tolerance = 0.1};
   const Sink<double> sink = [](auto, auto, auto) {};
-  MapRun<double, InsideProver> run(prover, options, source, sink, [&]() -> device::Batch<double>& { return search; });
+  MapRun<double, InsideProver> run(prover, options, source, sink, [&]() -> device::Batch<double>* { return &search; });
   return run.on_device(rough);
 }
 
@@ -204,7 +203,7 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
   const std::vector<MapResult> rows = mapped(overlapping(), points, {.tolerance = tolerance}, summary);
   ASSERT_EQ(rows.size(), points.size());
   EXPECT_EQ(summary.wide, 0U);
-  // A graphics processor's search ends after fewer cubes (host/batches/solid_batch.cpp): the hardest rows are the
+  // A graphics processor's search ends after fewer cubes (host/device/solid_batch.cpp): the hardest rows are the
   // host's.
   const int width = std::ranges::find_if(devices, &DeviceReport::passed)->vector_width;
   EXPECT_LE(summary.host_verified, width > 1 ? 0U : points.size() / 20);

@@ -4,12 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <deque>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 #include <verisq/error.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
+
+#include "tests/fixtures/places.hpp"
 
 namespace verisq {
 namespace {
@@ -87,6 +93,66 @@ TEST(MapRunTest, ReportsADeviceThatTheHostContradicts) {
 /// Its ends, each proven on its own, contradict each other: no width is negative.
 TEST(MapRunTest, ReportsADeviceThatContradictsItself) {
   EXPECT_THAT([] { mapped({4.0, 2.0}); }, ::testing::ThrowsMessage<Error>(::testing::HasSubstr("[4, 2]")));
+}
+
+/// Counts what it proves.
+struct CountingProver : TrueProver {
+  explicit CountingProver(std::atomic<std::size_t>& proofs) : proven(&proofs) {}
+  [[nodiscard]] CertifiedEnclosure prove(double query) const {
+    ++*proven;
+    return TrueProver::prove(query);
+  }
+  std::atomic<std::size_t>* proven;
+};
+
+/// Rows may take seconds each: an interruption waits for none that has not begun.
+TEST(MapRunTest, BeginsNoRowOnceInterrupted) {
+  std::atomic<std::size_t> proven = 0;
+  double next = 0.0;
+  const Source<double> source = [&next](std::span<double> queries) {
+    for (double& query : queries) query = next++;
+    return queries.size();
+  };
+  std::vector<double> delivered;
+  const Sink<double> sink = [&delivered](std::span<const double> queries, std::span<const MapResult> rows,
+                                         std::span<const Certificate>) {
+    ASSERT_EQ(queries.size(), rows.size());
+    for (const MapResult& row : rows) EXPECT_EQ(row.status, Status::host_verified);
+    delivered.insert(delivered.end(), queries.begin(), queries.end());
+  };
+  const MapOptions options{.tolerance = 0.1, .interrupted = [&proven] { return proven >= 10; }};
+  const CountingProver prover(proven);
+  const MapSummary summary = MapRun<double, CountingProver>(prover, options, source, sink).on_host();
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_LE(proven, 10U + std::max(1U, std::thread::hardware_concurrency()));
+  EXPECT_EQ(summary.points, delivered.size());
+  for (std::size_t i = 0; i < delivered.size(); ++i) EXPECT_EQ(delivered[i], static_cast<double>(i));
+}
+
+/// Of one point: its search asks between its steps, and ends after the next ones.
+TEST(PointMapperTest, EndsWithinARow) {
+  const Model model = read_model(places::example("bent_tapered_stem.json"));
+  for (const bool certificates : {false, true}) {
+    std::size_t polls = 0;
+    constexpr std::size_t enough = 10;
+    MapOptions options{.tolerance = 1e-9, .device = "host", .certificates = certificates};
+    options.interrupted = [&polls] { return ++polls > enough; };
+    PointMapper mapper(model, options);
+    polls = 0;
+    bool read = false;
+    std::size_t rows = 0;
+    const Source<Point> source = [&read](std::span<Point> points) -> std::size_t {
+      if (read) return 0;
+      read = true;
+      points[0] = {-12.0, -16.0, -15.0};  // where primitives overlap
+      return 1;
+    };
+    const MapSummary summary =
+        mapper.map(source, [&rows](auto, std::span<const MapResult> some, auto) { rows += some.size(); });
+    EXPECT_TRUE(summary.interrupted) << certificates;
+    EXPECT_EQ(rows, 0U);
+    EXPECT_EQ(polls, enough + 1);  // it is not asked again
+  }
 }
 
 TEST(TriangleMapperTest, RefusesACornerThatIsNotFiniteWhereverItStands) {

@@ -11,12 +11,11 @@
 #include <tuple>
 #include <utility>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
@@ -256,7 +255,7 @@ TEST(PoseMapChunksTest, AnInterruptedMapDeliversWholeRowsInOrder) {
   const Scene scene{"", {"", {ball}}, {"", {ball}}};
   const std::vector<Pose> poses(20'000, Pose{{5, 0, 0}, {1, 0, 0, 0}});
   int polls = 0;
-  const MapOptions options{.tolerance = 1e-3, .device = "host", .interrupted = [&polls] { return ++polls > 1; }};
+  const MapOptions options{.tolerance = 1e-3, .device = "host", .interrupted = [&polls] { return ++polls > 2000; }};
   const FinishedPoses found = map(scene, poses, options);
   EXPECT_TRUE(found.summary.interrupted);
   EXPECT_GT(found.rows.size(), 0U);

@@ -6,11 +6,10 @@
 #include <atomic>
 #include <cmath>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_search.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/maps/summary_of_rows.hpp"

@@ -10,11 +10,10 @@
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/triangle_search.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/random.hpp"

@@ -9,9 +9,8 @@
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/triangle_distance.hpp>
 
 namespace verisq {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/files.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"

@@ -5,12 +5,12 @@
 #include <random>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_search.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/triangle_search.hpp>
-#include <verisq/uncertain_model.hpp>
+#include <verisq/model.hpp>
+
+#include "tests/fixtures/error_matchers.hpp"
 
 namespace verisq {
 namespace {
@@ -141,6 +141,37 @@ TEST_P(UncertainSolidMap, TrianglesAndPosesHoldEveryMember) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Trees, UncertainSolidMap, ::testing::Range(0, 4));
+
+/// Two balls of this radius, 2 apart.
+UncertainModel lens(const Enclosure& radius) {
+  UncertainModel model =
+      Model{"",
+            {{"a", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}, {"b", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {{2, 0, 0}}}},
+            SetExpression{{leaf(0), leaf(1)}, SetOperation::intersect}};
+  for (UncertainPrimitive& primitive : model.primitives) primitive.semi_axes = {radius, radius, radius};
+  return model;
+}
+
+TEST(UncertainSolidMap, SaysWhetherAllMembersOrOnlySomeMayBeEmpty) {
+  const auto refused = [](const UncertainModel& model, const std::string& message) {
+    const MapOptions options{.tolerance = 0.3, .device = "host"};
+    testing::expect_error([&] { (void)PointMapper(model, options); }, ErrorKind::input, "", message);
+    testing::expect_error([&] { (void)TriangleMapper(model, options); }, ErrorKind::input, "", message);
+    testing::expect_error([&] { (void)PoseMapper(lens({1.5, 1.5}), model, options); }, ErrorKind::input, "", message);
+  };
+  const std::string some =
+      "the model's intervals are too wide: with what is kept at its smallest and what is removed at its largest the "
+      "set "
+      "operations leave no point, so that no distance is known to hold for all models that they allow; narrow them";
+  refused(lens({0.9, 1.1}), some);
+  refused(lens({0.7, 0.9}), "no model that the intervals allow has a point: the set operations leave nothing");
+  refused(lens({0.9, 0.9}), "the model has no point at all: its set operations leave nothing");
+  UncertainModel shell = lens({0.9, 1.1});
+  shell.primitives[1] = shell.primitives[0];
+  shell.primitives[1].semi_axes = {{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}}};
+  shell.csg->operation = SetOperation::subtract;
+  refused(shell, some);
+}
 
 }  // namespace
 }  // namespace verisq

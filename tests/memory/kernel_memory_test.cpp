@@ -12,11 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "host/arithmetic/self_test.hpp"
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/model_source.hpp"
-#include "host/batches/primitive_parameters.hpp"
-#include "host/batches/rotation.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/self_test.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -45,7 +43,7 @@ class KernelRun {
                              parameters.size() * sizeof(PrimitiveParameters), parameters.data());
   }
 
-  /// A map of points, as host/batches/point_batch.cpp has it made.
+  /// A map of points, as host/device/query_batches.cpp has it made.
   void map() {
     const auto coordinates = point_columns();
     const Distances distances = distances_of(coordinates, primitives_);
@@ -64,7 +62,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// Points on their way from the caller's memory, as host/batches/point_pipe.cpp has them read: one fewer than fill
+  /// Points on their way from the caller's memory, as host/device/point_pipe.cpp has them read: one fewer than fill
   /// the vectors.
   void columns() {
     const cl_ulong size = queries_ - 1;
@@ -79,7 +77,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A map in one step, as host/batches/rows_at_once.cpp has it made.
+  /// A map in one step, as host/device/point_pipe.cpp has it made.
   void map_at_once() {
     constexpr std::size_t row_bytes = 24;
     constexpr std::size_t sums_bytes = 48;
@@ -99,7 +97,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A map of triangles, as host/batches/triangle_batch.cpp has it made.
+  /// A map of triangles, as host/device/query_batches.cpp has it made.
   void triangles() {
     const cl::Buffer corners = written(triangle_numbers());
     const cl::Buffer nearest = numbers(queries_);
@@ -112,8 +110,8 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// The distances of the model's first primitive to the others in many poses, as host/batches/pose_batch.cpp has them
-  /// computed.
+  /// The distances of the model's first primitive to the others in many poses, as host/device/query_batches.cpp has
+  /// them computed.
   void pairs() {
     const cl::Buffer poses = written(pose_numbers());
     const auto ends = outputs<2>(queries_);
@@ -123,7 +121,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A combined solid, as host/batches/solid_batch.cpp has it mapped; those that are not bent are bent by nothing.
+  /// A combined solid, as host/device/solid_batch.cpp has it mapped; those that are not bent are bent by nothing.
   void solids() {
     const auto coordinates = point_columns();
     const cl::Buffer parameters = box_primitives();
@@ -147,7 +145,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// The objective of a fit for some candidates and the distances of the first, as host/fit/pose_objective.cpp has
+  /// The objective of a fit for some candidates and the distances of the first, as host/plan/pose_objective.cpp has
   /// them computed.
   void pose_objective() {
     const auto coordinates = point_columns();
@@ -229,7 +227,7 @@ class KernelRun {
     return buffer;
   }
 
-  /// As host/batches/point_pipe.cpp has them written: as std::vector<MapResult> lies in memory.
+  /// As host/device/point_pipe.cpp has them written: as std::vector<MapResult> lies in memory.
   void rows_of(const std::array<cl::Buffer, 3>& coordinates, const std::array<cl::Buffer, 2>& ends) {
     constexpr std::size_t row_bytes = 24;
     constexpr std::size_t sums_bytes = 48;

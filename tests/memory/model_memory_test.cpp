@@ -1,7 +1,5 @@
 /// Models that do not fit into a device's constant memory are read from global memory, with the same results bit by
 /// bit.
-#include "host/batches/model_memory.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,17 +16,15 @@
 #include <verisq/map.hpp>
 #include <verisq/octree.hpp>
 
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/point_batch.hpp"
-#include "host/batches/pose_batch.hpp"
-#include "host/batches/primitive_parameters.hpp"
-#include "host/batches/solid_batch.hpp"
-#include "host/batches/triangle_batch.hpp"
-#include "host/fit/pose_objective.hpp"
-#include "host/octree/device_octree_front.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/query_batches.hpp"
+#include "host/device/solid_batch.hpp"
+#include "host/maps/octree.hpp"
+#include "host/plan/pose_search.hpp"
 #include "tests/fixtures/random.hpp"
-#include "verify/sets/octree_cube.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verify/search/octree_cube.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::device {
 namespace {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <verisq/mesh_topology.hpp>
 
+#include "host/prepare/mesh_geometry.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 
 namespace verisq {
@@ -121,6 +122,21 @@ TEST(SignedVolume, FollowsTheOrientationAndNotThePlace) {
   EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.0 / 6.0);
   for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_DOUBLE_EQ(signed_volume(mesh), -1.0 / 6.0);
+}
+
+/// Of the smallest ones the volume is 0, of the largest ones infinite.
+TEST(SignedVolume, HasASignAtEverySize) {
+  for (const double size : {5e-324, 1e-200, 1e-110, 1.0, 1e110, 1e200, 1e308}) {
+    Mesh mesh = tetrahedron();
+    for (Point& vertex : mesh.vertices) {
+      for (double& x : vertex) x *= size;
+    }
+    EXPECT_EQ(volume_sign(mesh), 1) << size;
+    EXPECT_EQ(volume_sign(mesh, {size, size, size}), 1) << size;
+    for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+    EXPECT_EQ(volume_sign(mesh), -1) << size;
+  }
+  EXPECT_EQ(volume_sign({}), 0);
 }
 
 }  // namespace

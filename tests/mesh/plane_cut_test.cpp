@@ -2,11 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <verisq/plane_cut.hpp>
+#include <verisq/mesh_topology.hpp>
 
 #include "tests/fixtures/sample_meshes.hpp"
-#include "verify/containment/rims.hpp"
-#include "verisq/mesh_topology.hpp"
+#include "verify/proof/closed_surface.hpp"
 
 namespace verisq {
 namespace {
@@ -38,6 +37,16 @@ double area(const Mesh& mesh) {
 }
 
 const Plane oblique{{0.1, 0.2, 0.15}, {0.6, -0.4, 1.3}};
+
+TEST(PlaneCut, TakesNormalsOfAnyLength) {
+  const Mesh whole = sphere_mesh(3);
+  const CutMesh cut = cut_off(whole, oblique);
+  for (const int exponent : {-1020, 1020}) {
+    Plane same = oblique;
+    for (double& x : same.normal) x = std::ldexp(x, exponent);
+    EXPECT_EQ(cut_off(whole, same).mesh.vertices, cut.mesh.vertices) << exponent;
+  }
+}
 
 TEST(PlaneCut, KeepsOneSide) {
   const Mesh whole = sphere_mesh(3);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/open_caps.hpp"
 #include "tests/mutation/tapered_inside.hpp"
 #include "tests/mutation/way_out.hpp"
@@ -190,7 +190,7 @@ Extended least_depth(const Vector& q, const Norm& norm) {
   return (norm.gauge(q) - 1.0L) / length({1.0L / a[0], 1.0L / a[1], 1.0L / a[2]});
 }
 
-/// The derivatives of F = g^p1 (kernels/contained_cap.clh).
+/// The derivatives of F = g^p1 (kernels/interior.clh).
 Vector gradient_of_power(const Vector& x, const Norm& norm) {
   const Extended gauge = norm.gauge(x);
   const Extended p1 = norm.outer().primal;

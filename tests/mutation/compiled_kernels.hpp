@@ -11,7 +11,7 @@ struct CompiledKernels : device::Device {
   cl::Program program;
 };
 
-/// The kernels of `sources`, compiled for a few points a work-item.
-[[nodiscard]] CompiledKernels compiled(const device::Device& device, const std::string& sources);
+/// The kernels of `sources`, compiled for `width` points a work-item; few compile fast.
+[[nodiscard]] CompiledKernels compiled(const device::Device& device, const std::string& sources, int width = 4);
 
 }  // namespace verisq::mutation

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <type_traits>
 
-#include "host/batches/box_primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/gauge_square.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/placed_primitive.hpp"

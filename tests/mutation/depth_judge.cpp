@@ -7,9 +7,8 @@
 #include <cmath>
 #include <verisq/enclosure.hpp>
 
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/model_source.hpp"
-#include "host/batches/solid_model.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/launch.hpp"
 

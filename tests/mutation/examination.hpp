@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/compiled_kernels.hpp"
 
 namespace verisq::mutation {

@@ -14,8 +14,8 @@
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "verisq/checker.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {

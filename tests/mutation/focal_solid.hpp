@@ -5,8 +5,7 @@
 #include <utility>
 #include <verisq/model.hpp>
 
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/examination.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -31,7 +30,7 @@ inline constexpr TestedSolid tested_solids[] = {
 /// What a host with few digits might make of a solid: bounds of 1 - k^2 that are wide.
 [[nodiscard]] device::BoxPrimitiveParameters with_wide_bounds(const Primitive& primitive);
 /// Likewise, a taper and a focus that are off, with the error that this is (set_taper in
-/// host/batches/primitive_parameters.cpp).
+/// host/device/primitive_parameters.cpp).
 [[nodiscard]] device::BoxPrimitiveParameters with_other_taper(Primitive primitive);
 
 /// The tapered solid as the kernels know it, or, with another k, as it is: about its focus, where it is the set of w

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/compiled_kernels.hpp"
 
 namespace verisq::mutation {

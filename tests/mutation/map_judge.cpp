@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
-#include "host/batches/point_batch.hpp"
+#include "host/device/query_batches.hpp"
 #include "host/threads/parallel.hpp"
 
 namespace verisq::mutation {

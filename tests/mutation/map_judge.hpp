@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/certificate.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/model.hpp>
 

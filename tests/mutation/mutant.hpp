@@ -19,7 +19,7 @@ struct Mutant {
 /// `sources` with the text of the mutant replaced. Throws std::runtime_error unless the text occurs exactly once.
 [[nodiscard]] std::string mutated(std::string sources, const Mutant& mutant);
 
-/// The mutants of one file of kernels.
+/// The mutants of one file of kernels, or of one part of arithmetic.clh.
 struct Layer {
   std::string_view name;
   bool is_arithmetic;  ///< what the device's self-test looks at
@@ -29,7 +29,7 @@ struct Layer {
 /// In the order of the kernels' layers. All of them break a proof; what only costs tightness or time is not listed.
 [[nodiscard]] std::span<const Layer> layers();
 
-/// Those of tapered.clh and tapered_enclosure.clh, in the program of tapered points; likewise.
+/// Those of primitive.clh and tapered_enclosure.clh, in the program of tapered points; likewise.
 [[nodiscard]] std::span<const Mutant> tapered_mutants();
 
 /// Those of tapered_interior.clh and of what interior_depth.cl does for it, in the same program; likewise.

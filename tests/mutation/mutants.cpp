@@ -1,4 +1,4 @@
-/// The table of mutants, file by file in the order of the kernels' layers. (Those of interval.clh, all caught by the
+/// The table of mutants, file by file in the order of the kernels' layers. (Those of arithmetic.clh, all caught by the
 /// device's self-test, are in tests/arithmetic/self_test_test.cpp.)
 ///
 /// Left out, because no enclosure can become false by them:
@@ -11,7 +11,7 @@
 ///   log_down of infinity without its limit: 1024 ln 2. The limits of exp_up and exp_down do matter.
 /// - distance_up with a negative scale: b lies beyond the centre, farther than the centre, which is in the solid.
 /// - distance_up without the 0 where b_k > q_k: the distance of q from b itself, which is in the solid, is a bound too.
-/// - contact.clh's COMBINATION_ERROR, hidden by what the bounds lose in second order; NORMAL_UNDERFLOW, which is
+/// - proposal.clh's COMBINATION_ERROR, hidden by what the bounds lose in second order; NORMAL_UNDERFLOW, which is
 /// smaller
 ///   than all that a result shows; containment_up, by which exponents rounded down differ from the exact ones in the
 ///   last digit (tests/batches/primitive_parameters_test.cpp looks at it); LARGEST_CHANGE and LARGEST_EXCESS, the range
@@ -611,14 +611,14 @@ constexpr std::array union_distance{
 };
 
 constexpr std::array all{
-    Layer{"rounding.clh", true, rounding},
-    Layer{"elementary.clh", true, elementary},
+    Layer{"rounding", true, rounding},
+    Layer{"elementary", true, elementary},
     Layer{"superquadric.clh", false, superquadric},
-    Layer{"pose.clh", false, pose},
-    Layer{"contact.clh", false, contact},
+    Layer{"primitive.clh", false, pose},
+    Layer{"proposal.clh", false, contact},
     Layer{"gathered_points.clh", false, gathered_points},
     Layer{"point_distance.cl", false, point_distance},
-    Layer{"contained_cap.clh", false, contained_cap},
+    Layer{"interior.clh", false, contained_cap},
     Layer{"interior_depth.cl", false, interior_depth},
     Layer{"union_distance.cl", false, union_distance},
 };

@@ -1,4 +1,4 @@
-/// Caps of directions in one of which a ball leaves the solid: kernels/contained_cap.clh must not prove them.
+/// Caps of directions in one of which a ball leaves the solid: kernels/interior.clh must not prove them.
 #pragma once
 
 #include <string>

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "host/batches/device_model.hpp"
-#include "host/batches/rotation.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/in_parallel.hpp"
 
@@ -28,7 +28,7 @@ Columns pose_columns(const std::vector<Pose>& poses, std::size_t length) {
   return columns;
 }
 
-/// Launched as host/batches/pose_batch.cpp does.
+/// Launched as host/device/query_batches.cpp does.
 std::vector<Enclosure> mapped(const CompiledKernels& kernels, const PairScene& scene) {
   const Model both = device::joined(scene.a, scene.b);
   const std::size_t length = padded(scene.poses.size(), kernels);

@@ -1,7 +1,7 @@
 /// The table of mutants of pair_distance.cl.
 ///
 /// Left out, because no enclosure can become false by them:
-/// - Changes of what is only proposed: pair_contact.clh and the points near which the upper end is sought.
+/// - Changes of what is only proposed: pair_distance.cl and the points near which the upper end is sought.
 /// - Half of PAIR_ROTATION_ERROR or VECTOR_ERROR, and roundings of error bounds: the constants are bounds from before
 ///   any computation, their proofs stand beside them, and rounding errors that come near them are not found.
 /// - The least error of a centre, 2^-1000: the bound of the rotation has more room than that.

@@ -152,7 +152,7 @@ constexpr std::array bent_queries{
            "  const real of_frame = fma_up(REAL(SOLID_MAGNIFICATION * p->frame_error), size, REAL(0x1p-1000));\n"},
 };
 
-// What contact.clh evaluates: a point beyond the exact one, a normal longer, sums too small.
+// What proposal.clh evaluates: a point beyond the exact one, a normal longer, sums too small.
 constexpr std::array evaluation{
     Mutant{"error of sums", "#define EXCESS_ERROR ",
            "#define EVALUATION_MAGNIFICATION 0x1p30\n#define EXCESS_ERROR EVALUATION_MAGNIFICATION * "},
@@ -178,7 +178,7 @@ ALWAYS_INLINE single relative_residual)"},
          fma(terms, REAL(0.98 * 0x1.4p-51 * EVALUATION_MAGNIFICATION), REAL(1.0));)"},
 };
 
-// Likewise what tapered.clh makes of a normal.
+// Likewise what primitive.clh makes of a normal.
 constexpr std::array tilts{
     Mutant{"error of tilts", "#define TILT_ERROR ",
            "#define TILT_MAGNIFICATION 0x1p30\n#define TILT_ERROR TILT_MAGNIFICATION * "},
@@ -188,7 +188,7 @@ constexpr std::array tilts{
 )"},
 };
 
-// Likewise what tapered.clh and tapered_enclosure.clh make of it: a bit of the normal, or of the point, tells which
+// Likewise what primitive.clh and tapered_enclosure.clh make of it: a bit of the normal, or of the point, tells which
 // way.
 constexpr std::array tapered_evaluation{
     Mutant{"error of heights", "#define HEIGHT_ERROR ", "#define HEIGHT_ERROR EVALUATION_MAGNIFICATION * "},
@@ -208,7 +208,7 @@ constexpr std::array tapered_evaluation{
 )"},
 };
 
-// Likewise what tapered.clh and tapered_box_gauge.clh make of cubes.
+// Likewise what primitive.clh and tapered_box_gauge.clh make of cubes.
 constexpr std::array tapered_cube_evaluation{
     Mutant{"error of ends", "#define END_ERROR ",
            "#define END_MAGNIFICATION 0x1p26\n#define END_ERROR END_MAGNIFICATION * "},

@@ -1,4 +1,4 @@
-/// Mutants of caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl and point_map.cl: what lies between
+/// Mutants of row_verdict.clh, point_rows.cl and point_map.cl: what lies between
 /// the caller's memory and the kernels of distances.
 
 #include <array>

@@ -9,10 +9,9 @@
 #include <limits>
 #include <optional>
 #include <utility>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
-#include "host/batches/model_source.hpp"
-#include "host/batches/solid_model.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/in_parallel.hpp"

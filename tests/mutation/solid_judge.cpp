@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/model_source.hpp"
-#include "host/batches/solid_model.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/focal_solid.hpp"
 #include "tests/mutation/launch.hpp"
@@ -413,7 +412,7 @@ bool in_reach(const PolarPair& pair, double gamma) {
   return least < (1.0 - rounding) * pair.reach;
 }
 
-/// By how much f exceeds its tangent plane at the angle gamma where that is least (verify/sets/bent_distance.hpp).
+/// By how much f exceeds its tangent plane at the angle gamma where that is least (verify/search/bent_distance.hpp).
 double excess(const PolarPair& pair, double gamma) {
   const double apart = pair.gamma_0 - pair.gamma_q;
   const double u = std::cos(gamma - pair.gamma_q) - std::cos(apart);

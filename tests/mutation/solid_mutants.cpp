@@ -1,4 +1,4 @@
-/// The table of mutants of box_map.clh, lower_gauge.clh, box_gauge.clh, box_primitive.clh, set_tree.clh,
+/// The table of mutants of box_map.clh, box_gauge.clh, set_tree.clh,
 /// bent_distance.cl and solid_distance.cl.
 ///
 /// Left out, because no enclosure can become false by them:
@@ -69,7 +69,7 @@ constexpr std::array mutants{
     Mutant{"z where it is not known", "const integer z_known = smooth &", "const integer z_known = INTEGER(-1L) &"},
     Mutant{"turned the other way", "combined(sin_a, slope_r, cos_a, row_s)", "combined(-sin_a, slope_r, cos_a, row_s)"},
 
-    // box_primitive.clh
+    // set_tree.clh
     Mutant{"lower norm, difference rounded up", "exp_down(mul_down(REAL(p_up), sub_down(fmin(a, b), largest)))",
            "exp_down(mul_down(REAL(p_up), sub_up(fmin(a, b), largest)))", Arithmetic::erratic},
     Mutant{"lower norm, power rounded up", "const real power = exp_down(mul_down(REAL(p_up)",

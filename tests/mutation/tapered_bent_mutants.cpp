@@ -1,4 +1,4 @@
-/// Mutants of tapered_unbent_solid.clh, and of what box_primitive.clh, set_tree.clh and bent_distance.cl do with it.
+/// Mutants of tapered_unbent_solid.clh, and of what set_tree.clh and bent_distance.cl do with it.
 ///
 /// Left out, because no enclosure can become false by them: what is only proposed (closest_of_solid, the number that
 /// support_over_up starts from). Survivors, known and not listed: along_up without the rounding of the focus, which

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <verisq/enclosure.hpp>
 
-#include "host/batches/box_primitive_parameters.hpp"
-#include "host/batches/model_source.hpp"
+#include "host/device/primitive_parameters.hpp"
+#include "host/device/solid_model.hpp"
 #include "tests/mutation/focal_solid.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/tapered_contact.hpp"

@@ -1,4 +1,4 @@
-/// Mutants of tapered_box_gauge.clh, and of what box_primitive.clh does with the signs of a solid that has two ends.
+/// Mutants of tapered_box_gauge.clh, and of what set_tree.clh does with the signs of a solid that has two ends.
 ///
 /// Left out, because no enclosure can become false by them:
 /// - Changes of what is only proposed: the weights of least_slope, gauge_gradient and the normal that `supporting`

@@ -11,7 +11,7 @@
 #include <utility>
 #include <verisq/enclosure.hpp>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/examination.hpp"
 #include "tests/mutation/focal_solid.hpp"
 #include "tests/mutation/launch.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <verisq/enclosure.hpp>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/examination.hpp"
 #include "tests/mutation/focal_solid.hpp"

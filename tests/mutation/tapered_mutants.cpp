@@ -1,10 +1,10 @@
-/// Mutants of tapered.clh and tapered_enclosure.clh: bounds of points about tapered primitives.
+/// Mutants of primitive.clh and tapered_enclosure.clh: bounds of points about tapered primitives.
 ///
 /// Left out, because no enclosure can become false by them:
-/// - Changes of tapered_proposal.clh and of steps: a poor contact proves a poor bound.
+/// - Changes of tapered_enclosure.clh and of steps: a poor contact proves a poor bound.
 /// - Rounding of error bounds themselves (reach times |e|, the sum times MOVED_ERROR, the focus's): of 8 u or 4 u at
 ///   least one is spare.
-/// - L^2: log_gauge bounds N(u) - 1, too. contact.clh's bound of log g is that of (R S^(p1/p2) + Z - 1) / p1, from
+/// - L^2: log_gauge bounds N(u) - 1, too. proposal.clh's bound of log g is that of (R S^(p1/p2) + Z - 1) / p1, from
 /// which
 ///   Bernoulli's inequality leads to g - 1 as well.
 /// - `usable`, and m below 0: wherever one of the numbers is of no use, m is 0 or negative and the focus, or a NaN,

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <verisq/certificate.hpp>
+#include <verisq/checker.hpp>
 
-#include "host/batches/certificate_assembly.hpp"
+#include "host/device/query_batches.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/in_parallel.hpp"
 
@@ -34,7 +34,7 @@ Columns corner_columns(const std::vector<Triangle>& triangles, std::size_t lengt
   return columns;
 }
 
-/// Launched as host/batches/triangle_batch.cpp does.
+/// Launched as host/device/query_batches.cpp does.
 std::vector<Row> mapped(const CompiledKernels& kernels, const TriangleScene& scene) {
   const std::size_t count = scene.model.primitives.size();
   const std::size_t length = padded(scene.triangles.size(), kernels);

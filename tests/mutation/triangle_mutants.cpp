@@ -1,9 +1,9 @@
-/// The table of mutants of triangle_distance.cl, and of what no kernel of points uses of rounding.clh.
+/// The table of mutants of triangle_distance.cl, and of what no kernel of points uses of arithmetic.clh.
 ///
 /// Left out, because tests/kernels/kernel_arithmetic_test.cpp finds it: a NaN that is forgotten.
 ///
 /// Left out, because no enclosure can become false by them:
-/// - Changes of what is only proposed: triangle_contact.clh, distance_gradient.clh, matrix3.clh, orthogonal_to_contact.
+/// - Changes of what is only proposed: triangle_distance.cl, distance_gradient.clh, matrix3.clh, orthogonal_to_contact.
 /// - `closest` with negative coordinates: the gauge takes them for 0, and farther away they only raise the bound.
 /// - The weight 1 lowered where the other is 0, and lower ends below 0.
 /// - Roundings of an error bound itself: the constants have more room than they take.
@@ -18,7 +18,7 @@ namespace verisq::mutation {
 namespace {
 
 constexpr std::array mutants{
-    // rounding.clh
+    // arithmetic.clh
     Mutant{"least_or_nan takes the greater", "select(b, a, MASK(a < b) | MASK(a != a))",
            "select(b, a, MASK(a > b) | MASK(a != a))"},
     Mutant{"greatest_or_nan takes the lesser", "select(b, a, MASK(a > b) | MASK(a != a))",

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <verisq/enclosure.hpp>
 
-#include "host/batches/primitive_parameters.hpp"
+#include "host/device/primitive_parameters.hpp"
 #include "tests/mutation/examination.hpp"
 #include "tests/mutation/focal_solid.hpp"
 #include "tests/oracle/reference_distance.hpp"

@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "verify/analysis/exponential.hpp"
-#include "verify/analysis/interval_matrix.hpp"
+#include "verify/numbers/functions.hpp"
+#include "verify/search/krawczyk.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

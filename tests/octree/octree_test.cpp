@@ -1,4 +1,6 @@
 /// Octrees: volumes that contain the closed form, colours that random points confirm, files that read back.
+#include "host/maps/octree.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,13 +19,11 @@
 #include <tuple>
 #include <verisq/device.hpp>
 #include <verisq/octree.hpp>
-#include <verisq/octree_file.hpp>
 
-#include "host/octree/device_octree_front.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/large_models.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
-#include "verify/sets/octree_cube.hpp"
+#include "verify/search/octree_cube.hpp"
 
 namespace verisq::testing {
 namespace {

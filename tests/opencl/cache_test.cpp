@@ -1,5 +1,5 @@
 /// The cache gives back what was stored or nothing, whatever happens to its files: full disks, damage, other processes.
-#include "host/opencl/cache.hpp"
+#include "host/device/cache.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,6 @@
 #include <string_view>
 #include <vector>
 
-#include "host/opencl/checksum.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq::device {

@@ -1,5 +1,5 @@
 /// What runs remember of devices: programs, which no damage keeps from being compiled again, and outcomes of the
-/// self-test, which hold for one binary alone.
+/// self-tests, of the arithmetic, which hold for one binary alone, and of each program's kernels.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,23 +10,33 @@
 #include <string_view>
 #include <vector>
 
-#include "host/arithmetic/self_test.hpp"
+#include "host/device/cache.hpp"
 #include "host/device/device.hpp"
-#include "host/opencl/cache.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/program.hpp"
+#include "host/device/self_test.hpp"
+#include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"
+#include "verisq/map.hpp"
+#include "verisq/octree.hpp"
 
 namespace verisq::device {
 namespace {
 
 using ::testing::StartsWith;
 
-/// A cache of its own, empty for each test. Drivers keep theirs beside it, and look for it once: there it stays.
+/// A cache of its own, empty for each test. PoCL keeps the one that it would have without: it looks for it once, and
+/// compiling everything again would take minutes.
 class DeviceCacheTest : public ::testing::Test {
  protected:
   void SetUp() override {
+    const char* const home = std::getenv("HOME");
+    const char* const caches = std::getenv("XDG_CACHE_HOME");
+    if (caches != nullptr || home != nullptr) {
+      const std::string folder = caches != nullptr ? caches : std::string(home) + "/.cache";
+      setenv("POCL_CACHE_DIR", (folder + "/pocl/kcache").c_str(), 0);
+    }
     setenv("XDG_CACHE_HOME", folder_.path().c_str(), 1);
     std::filesystem::remove_all(folder_ / "verisq");
     std::vector<cl::Platform> platforms;
@@ -168,6 +178,141 @@ TEST_F(SelfTestCacheTest, TestsEveryBinaryOnItsOwn) {
   EXPECT_FALSE(found.passed);
   EXPECT_THAT(found.failure, StartsWith("add_down"));
   EXPECT_EQ(keys("self-test").size(), 2U);
+}
+
+/// Kernels are tried on samples program by program, when they are made ready, and each program once.
+class SampledKernelsTest : public DeviceCacheTest {
+ protected:
+  static Primitive solid(double x) { return {"", {{1.0, 0.8, 0.6}, {0.5, 1.0}}, {{x, 0.0, 0.0}}, {}}; }
+
+  static Model one() { return {"", {solid(0.0)}, {}}; }
+  static Model two() { return {"", {solid(0.0), solid(0.9)}, {}}; }
+  static Model bent() {
+    Model model = one();
+    model.primitives[0].bend = Bend{0.3, 20.0};
+    return model;
+  }
+
+  static MapOptions options(std::string device = "auto") {
+    MapOptions options{1e-6};
+    options.device = std::move(device);
+    return options;
+  }
+
+  /// Maps points outside, and on request one inside as well.
+  static MapSummary map(const Model& model, bool inside, const std::string& device = "auto") {
+    std::vector<Point> points{{3.0, 0.0, 0.0}, {0.0, 2.0, 1.0}};
+    if (inside) points.push_back({0.1, 0.05, 0.0});
+    std::vector<MapResult> rows(points.size());
+    return PointMapper(model, options(device)).map(points, rows);
+  }
+
+  static constexpr std::string_view outcomes = "sampled kernels";
+
+  /// As if the kernels of all programs so far had failed.
+  void fail_all() const {
+    for (const std::string& key : keys(outcomes)) store_in_cache(key, "failed: sample 3 gave [1, 2]");
+  }
+
+  [[nodiscard]] std::string refused() const { return "refused " + device().getInfo<CL_DEVICE_NAME>() + ": "; }
+};
+
+TEST_F(SampledKernelsTest, TrueKernelsPassAndEachProgramIsTriedOnce) {
+  EXPECT_NE(map(one(), false).device, "host");
+  ASSERT_EQ(keys(outcomes).size(), 1U) << "points inside were not met";
+  EXPECT_EQ(cached(keys(outcomes).front()), "passed");
+  EXPECT_NE(map(one(), true).device, "host");
+  EXPECT_EQ(keys(outcomes).size(), 2U);
+  EXPECT_NE(map(two(), true).device, "host");
+  EXPECT_EQ(keys(outcomes).size(), 2U) << "the same program of points";
+  EXPECT_NE(map(bent(), true).device, "host");
+  EXPECT_EQ(keys(outcomes).size(), 3U);
+  for (const std::string& key : keys(outcomes)) EXPECT_EQ(cached(key), "passed") << key.substr(0, 200);
+}
+
+TEST_F(SampledKernelsTest, QueriesOfAllKindsAreTried) {
+  Model tapered = one();
+  tapered.primitives[0].superquadric.taper = 2.0;
+  EXPECT_NE(map(tapered, true).device, "host");
+  const Source<Triangle> no_triangles = [](std::span<Triangle>) { return std::size_t{0}; };
+  EXPECT_NE(TriangleMapper(one(), options()).map(no_triangles, {}).device, "host");
+  const Source<Pose> no_poses = [](std::span<Pose>) { return std::size_t{0}; };
+  EXPECT_NE(PoseMapper(one(), two(), options()).map(no_poses, {}).device, "host");
+  OctreeOptions octree;
+  octree.depth = 2;
+  EXPECT_NE(OctreeBuilder(bent(), octree).build().device, "host");
+  EXPECT_EQ(keys(outcomes).size(), 6U) << "tapered: at once, in steps of both kinds; triangles; pairs; octree";
+  for (const std::string& key : keys(outcomes)) EXPECT_EQ(cached(key), "passed") << key.substr(0, 200);
+}
+
+TEST_F(SampledKernelsTest, WhatFailsIsRefusedWhereItIsNamedAndPassedOverWhereNot) {
+  static_cast<void>(map(one(), true));
+  static_cast<void>(map(bent(), true));
+  OctreeOptions octree;
+  octree.depth = 2;
+  static_cast<void>(OctreeBuilder(bent(), octree).build());
+  fail_all();
+  for (const Model& model : {one(), two(), bent()}) {
+    const MapSummary summary = map(model, true);
+    EXPECT_EQ(summary.device, "host");
+    EXPECT_EQ(summary.host_verified, 3U);
+    EXPECT_THAT(summary.notice, StartsWith(refused() + "kernel"));
+    EXPECT_THAT(summary.notice, ::testing::EndsWith(": sample 3 gave [1, 2]"));
+    EXPECT_THAT([&] { map(model, true, "0"); },
+                ::testing::ThrowsMessage<Error>(StartsWith("`device` 0: " + refused() + "kernel")));
+  }
+  const OctreeSummary summary = OctreeBuilder(bent(), octree).build();
+  EXPECT_EQ(summary.device, "host");
+  EXPECT_THAT(summary.notice, StartsWith(refused() + "octree"));
+  octree.device = "0";
+  EXPECT_THAT([&] { OctreeBuilder(bent(), octree); },
+              ::testing::ThrowsMessage<Error>(StartsWith("`device` 0: refused")));
+}
+
+/// Depths have a program of their own, which is made ready in the midst of a map.
+TEST_F(SampledKernelsTest, WhatFailsInTheMidstOfAMapProvesNothing) {
+  static_cast<void>(map(two(), true));
+  fail_all();
+  const MapSummary in_memory = map(one(), true);
+  EXPECT_EQ(in_memory.device, "host");
+  EXPECT_EQ(in_memory.host_verified, 3U) << "all rows again";
+  EXPECT_THAT(in_memory.notice, StartsWith(refused() + "kernels of points"));
+  const std::vector<Point> points{{3.0, 0.0, 0.0}, {0.1, 0.05, 0.0}};
+  EXPECT_THAT([&] { static_cast<void>(oracle::map_in_memory(one(), points, options())); },
+              ::testing::ThrowsMessage<Error>(::testing::EndsWith("the map has begun by then: give `device` host")));
+}
+
+/// The search of unions is one more such program: without it the host searches.
+TEST_F(SampledKernelsTest, WithoutASearchTheHostSearches) {
+  const std::vector<Point> points(1100, Point{0.45, 0.05, 0.0});
+  std::vector<MapResult> rows(points.size());
+  static_cast<void>(PointMapper(two(), options()).map(points, rows));
+  ASSERT_EQ(keys(outcomes).size(), 2U);
+  for (const std::string& key : keys(outcomes))
+    if (key.find("own tree") != std::string::npos) store_in_cache(key, "failed: sample 3 gave [1, 2]");
+  const MapSummary summary = PointMapper(two(), options()).map(points, rows);
+  EXPECT_EQ(summary.host_verified + summary.device_verified, points.size());
+  EXPECT_GT(summary.host_verified, 0U);
+  EXPECT_THAT(summary.notice, StartsWith(refused() + "kernels of a model's own tree"));
+}
+
+/// PoCL would end the process: it links kernels by a program of its own.
+TEST_F(DeviceCacheTest, WithoutALinkerPoclIsPassedOver) {
+  const cl::Platform platform(device().getInfo<CL_DEVICE_PLATFORM>());
+  if (platform.getInfo<CL_PLATFORM_NAME>() != "Portable Computing Language") GTEST_SKIP() << "of PoCL alone";
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const Selection chosen = select_device("auto");
+  EXPECT_FALSE(chosen.device);
+  EXPECT_THAT(chosen.notice, ::testing::HasSubstr("PoCL links kernels by ld, which is not in PATH"));
+  try {
+    static_cast<void>(select_device("0"));
+    ADD_FAILURE() << "the device was taken";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), StartsWith("`device` 0: "));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("by ld, which"));
+  }
+  setenv("PATH", path.c_str(), 1);
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 /// Arguments of kernels by their names: what the source declares is set, anything else refused.
-#include "host/opencl/named_kernel.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -10,7 +8,7 @@
 #include <verisq/error.hpp>
 
 #include "host/device/device.hpp"
-#include "host/opencl/program.hpp"
+#include "host/device/program.hpp"
 
 namespace verisq::device {
 namespace {

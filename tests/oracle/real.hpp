@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/multiprecision/mpfr.hpp>
+#include <limits>
 #include <string>
 
 namespace verisq::oracle {
@@ -11,6 +12,11 @@ namespace verisq::oracle {
 using Real =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60, boost::multiprecision::allocate_stack>,
                                   boost::multiprecision::et_off>;
+
+/// Boost 1.74 makes each value of numeric_limits at its first call, without a lock: a second thread could read 0 for
+/// infinity (2000 runs of two threads: 80 did). The first calls are made here, before any thread starts.
+inline const std::array limits_made_before_threads{std::numeric_limits<Real>::infinity(),
+                                                   std::numeric_limits<Real>::epsilon()};
 
 template <class Number>
 using Triple = std::array<Number, 3>;

@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/stance_choice.hpp>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
 

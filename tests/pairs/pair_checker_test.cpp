@@ -1,7 +1,5 @@
 /// Certificates of pairs prove what was found, and never what is false. VERISQ_FORGED_PAIRS says how many pairs are
 /// tried.
-#include "verisq/pair_checker.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +11,7 @@
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_pairs.hpp"
-#include "verisq/model_distance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {

@@ -1,12 +1,11 @@
 /// How far sections reach, for any slope: no point of them reaches farther.
-#include "verify/pairs/posed_sections.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "tests/oracle/bent_surface.hpp"
-#include "verify/sets/sectioned_primitive.hpp"
+#include "verify/proof/solid_pair.hpp"
+#include "verify/search/primitive_pair_distance.hpp"
 
 namespace verisq::verify {
 namespace {

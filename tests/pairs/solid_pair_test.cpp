@@ -14,9 +14,8 @@
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_solids.hpp"
-#include "verisq/model_file.hpp"
-#include "verisq/model_search.hpp"
-#include "verisq/pair_checker.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/files.hpp"
 
 namespace verisq {
 namespace {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "tests/fixtures/forged_numbers.hpp"
@@ -14,10 +15,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verisq/model_search.hpp"
-#include "verisq/pair_checker.hpp"
-#include "verisq/posed_model.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
@@ -147,6 +145,26 @@ TEST(SurroundedPrimitiveTest, NoForgeryIsProved) {
     }
   }
   EXPECT_GT(forgeries.told(), 100U);
+}
+
+/// A cover, too, ends within its cells: what is proven then is less, and true.
+TEST(SurroundedPrimitiveTest, AnInterruptedCheckProvesLess) {
+  RandomCases random(76);
+  Answer answer = answer_of(random);
+  while (answer.certified.certificate.covers_b.empty()) answer = answer_of(random);
+  const PairChecker checker(answer.joint.cup, answer.joint.neck);
+  int asked = 0;
+  const Enclosure whole = checker.prove(answer.pose, answer.certified.certificate, [&] {
+    ++asked;
+    return false;
+  });
+  EXPECT_GT(whole.lo, 0.0);
+  const int all = std::exchange(asked, 0);
+  ASSERT_GT(all, 1);
+  const Enclosure less = checker.prove(answer.pose, answer.certified.certificate, [&] { return ++asked > 1; });
+  EXPECT_LT(less.lo, whole.lo);
+  EXPECT_GE(less.hi, whole.hi);
+  EXPECT_LE(asked, all);
 }
 
 /// Of a bend the support function would be that of another solid.

@@ -1,6 +1,4 @@
 /// The fitness function against MPFR: what is proven contains every value, and searches see the same function.
-#include "verisq/fitness.hpp"
-
 #include <gtest/gtest.h>
 #include <mpfr.h>
 
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "verisq/clearance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {

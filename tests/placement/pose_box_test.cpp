@@ -1,10 +1,10 @@
 /// Boxes of poses: where points get to, against poses sampled within the boxes.
-#include "verify/placement/pose_box.hpp"
-
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <random>
+
+#include "verify/search/distance_field.hpp"
 
 namespace verisq::verify {
 namespace {

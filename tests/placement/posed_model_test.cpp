@@ -1,6 +1,4 @@
 /// Moved models: their numbers against MPFR with 100 digits, their distances against those of points moved back.
-#include "verisq/posed_model.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,9 +7,9 @@
 #include <cmath>
 #include <vector>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::oracle {
 namespace {

@@ -1,6 +1,4 @@
 /// The way of points along a path of poses against 200 bits of MPFR: where they are, how far they travel.
-#include "verify/placement/rigid_path.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "tests/oracle/random_cases.hpp"
+#include "verify/solids/paths.hpp"
 
 namespace verisq::verify {
 namespace {

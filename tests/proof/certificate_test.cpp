@@ -1,6 +1,4 @@
 /// Gauge, support function and the certificates made of them: bounds that hold for any proposal, tight for good ones.
-#include "verify/proof/certificate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +9,8 @@
 
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/search/exterior.hpp"
-#include "verify/search/interior.hpp"
+#include "verify/search/convex_primitive.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -88,7 +86,7 @@ TEST(SuperquadricTest, EllipsoidHasEuclideanNorms) {
 
 TEST(SuperquadricTest, OctahedronHasSumAndMaximumNorms) {
   const SuperquadricBounds<Real> bounds({{1.0, 2.0, 4.0}, {2.0, 2.0}});
-  const PreciseVector v = precise({-3.0L, 1.0L, -0.5L});
+  const PreciseVector v = precise(Proposal{-3.0L, 1.0L, -0.5L});
   EXPECT_DOUBLE_EQ(middle(bounds.gauge(v)), 3.0 + 0.5 + 0.125);
   EXPECT_EQ(bounds.support(v).lower().to_double(Direction::down), 3.0);
   EXPECT_EQ(bounds.support(v).upper().to_double(Direction::up), 3.0);
@@ -143,19 +141,19 @@ TEST(SuperquadricTest, GaugeAndSupportAreDual) {
 TEST(SuperquadricTest, ExtremeExponentsTendToBoxes) {
   for (const double e : {5e-324, 1e-300, 1e-16}) {
     const SuperquadricBounds<Real> bounds({{1.0, 2.0, 3.0}, {e, e}});
-    EXPECT_NEAR(middle(bounds.gauge(precise({0.5L, 1.5L, 1.0L}))), 0.75, 1e-12);
-    EXPECT_NEAR(middle(bounds.support(precise({1.0L, 1.0L, 1.0L}))), 6.0, 1e-12);
+    EXPECT_NEAR(middle(bounds.gauge(precise(Proposal{0.5L, 1.5L, 1.0L}))), 0.75, 1e-12);
+    EXPECT_NEAR(middle(bounds.support(precise(Proposal{1.0L, 1.0L, 1.0L}))), 6.0, 1e-12);
   }
   const double nearly_two = std::nextafter(2.0, 0.0);
   const SuperquadricBounds<Real> octahedron({{1.0, 1.0, 1.0}, {nearly_two, nearly_two}});
-  EXPECT_NEAR(middle(octahedron.support(precise({3.0L, 2.0L, 1.0L}))), 3.0, 1e-12);
+  EXPECT_NEAR(middle(octahedron.support(precise(Proposal{3.0L, 2.0L, 1.0L}))), 3.0, 1e-12);
 }
 
 TEST(CertificateTest, AnyDirectionBoundsFromBelow) {
   const SuperquadricBounds<Real> sphere({{2.0, 2.0, 2.0}, {1.0, 1.0}});
   Random random(5);
   for (const long double distance : {-1.5L, -1e-9L, 1e-9L, 1.0L, 1e6L}) {
-    const PreciseVector q = precise({0.0L, 2.0L + distance, 0.0L});
+    const PreciseVector q = precise(Proposal{0.0L, 2.0L + distance, 0.0L});
     const auto exact = static_cast<double>((2.0L + distance) - 2.0L);
     for (int i = 0; i < 100; ++i) EXPECT_LE(lower_bound(sphere, q, random.direction()), exact + 1e-15);
     EXPECT_NEAR(lower_bound(sphere, q, {0.0L, 7.0L, 0.0L}), exact, std::fabs(exact) * 3e-16);
@@ -165,14 +163,14 @@ TEST(CertificateTest, AnyDirectionBoundsFromBelow) {
 TEST(CertificateTest, AnyPointBoundsFromAbove) {
   const SuperquadricBounds<Real> sphere({{2.0, 2.0, 2.0}, {1.0, 1.0}});
   Random random(6);
-  const PreciseVector q = precise({0.0L, 0.0L, -5.0L});
+  const PreciseVector q = precise(Proposal{0.0L, 0.0L, -5.0L});
   for (int i = 0; i < 100; ++i) EXPECT_GE(upper_bound(sphere, q, random.direction()), 3.0);
   EXPECT_EQ(upper_bound(sphere, q, {0.0L, 0.0L, -17.0L}), 3.0);
 }
 
 TEST(CertificateTest, UselessProposalsGiveUselessBounds) {
   const SuperquadricBounds<Real> sphere({{1.0, 1.0, 1.0}, {1.0, 1.0}});
-  const PreciseVector q = precise({0.0L, 3.0L, 4.0L});
+  const PreciseVector q = precise(Proposal{0.0L, 3.0L, 4.0L});
   for (const Proposal& bad : {Proposal{0.0L, 0.0L, 0.0L}, Proposal{kNaN, 1.0L, 1.0L}, Proposal{1.0L, infinity, 0.0L}}) {
     EXPECT_EQ(lower_bound(sphere, q, bad), -infinity);
     EXPECT_EQ(upper_bound(sphere, q, bad), 5.0);

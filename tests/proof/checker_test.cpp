@@ -17,9 +17,9 @@
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/model_file.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/files.hpp"
 
 namespace verisq {
 namespace {
@@ -237,6 +237,50 @@ TEST(CheckerTest, ALeadingDigitOfANormalMatters) {
             << " of component " << component;
       }
     }
+  }
+}
+
+/// Nearly a sphere: the proof that a ball nearly as large lies inside fails after all of its 50,000 corners. One row
+/// that names the primitive many times must not cost that many of them.
+TEST(CheckerTest, RepeatedNormalsCostOneProof) {
+  const Checker checker(Model{"", {{"s", {{1.0, 1.0, 1.0}, {1.0, 1.0000001}}, {}}}});
+  Certificate certificate;
+  certificate.normals.assign(1000, {0, {0.0, 1.0, 0.0}});
+  EXPECT_EQ(checker(Point{0.0, 0.0, 0.0}, {-infinity, -0.99999}, certificate).verdict, Verdict::unproved);
+}
+
+/// Many different normals of one row, the best ones last: none of those is tried once interrupted.
+TEST(CheckerTest, EndsBetweenTheNormalsOfARow) {
+  const Checker checker(Model{"", {{"ellipsoid", {{1.0, 2.0, 1.0}, {1.0, 1.0}}, {}}}});
+  Certificate certificate;
+  for (int i = 1000; i > 0; --i) certificate.normals.push_back({0, {1.0, 1e-3 * i, 0.0}});
+  const auto proven = [&](const auto& query, int most) {
+    int asked = 0;
+    return checker(query, {1.0, 1.0}, certificate, [&] { return ++asked > most; }).proven;
+  };
+  const Point point{2.0, 0.0, 0.0};
+  const Triangle triangle{point, {3.0, 0.0, 0.0}, {3.0, 1.0, 0.0}};
+  EXPECT_GT(proven(point, 1'000'000).lo, 0.999);
+  EXPECT_LT(proven(point, 3).lo, 0.9);
+  EXPECT_GT(proven(triangle, 1'000'000).lo, 0.999);
+  EXPECT_LT(proven(triangle, 3).lo, 0.9);
+}
+
+/// In the middle of such a proof, too: of an exact model, and of one whose radius is not.
+TEST(CheckerTest, EndsWithinARowOnceInterrupted) {
+  const UncertainModel exact(Model{"", {{"s", {{1.0, 1.0, 1.0}, {1.0, 1.0000001}}, {}}}});
+  UncertainModel uncertain = exact;
+  uncertain.primitives[0].semi_axes[0].hi = 1.0000001;
+  const Certificate certificate{{{0, {0.0, 1.0, 0.0}}}, {}};
+  for (const UncertainModel& model : {exact, uncertain}) {
+    int asked = 0;
+    const Finding finding =
+        Checker(model)(Point{0.0, 0.0, 0.0}, {-infinity, -0.99999}, certificate, [&asked] { return ++asked > 100; });
+    EXPECT_EQ(finding.verdict, Verdict::unproved);
+    EXPECT_GT(asked, 100);
+    EXPECT_LT(asked, 110);
+    EXPECT_LE(finding.proven.lo, -1.0);
+    EXPECT_GE(finding.proven.hi, -1.0);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "verify/proof/certificate.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -50,6 +50,20 @@ TEST(ContainedBallTest, FacesOfABoxAreProvenToTheLastBits) {
   const SuperquadricBounds<Real> bounds(box);
   EXPECT_TRUE(contains_ball(box, bounds, precise({0.0L, 0.0L, 0.0L}), 1.0 - 1e-12));
   EXPECT_FALSE(contains_ball(box, bounds, precise({0.0L, 0.0L, 0.0L}), 1.0 + 1e-12));
+}
+
+/// The proof would succeed; interrupted, it stays open and looks at no further cone.
+TEST(ContainedBallTest, EndsOnceInterrupted) {
+  const Superquadric solid{{3.0, 2.0, 1.0}, {0.7, 0.8}};
+  const SuperquadricBounds<Real> bounds(solid);
+  const PreciseVector q = precise({0.3L, 0.2L, 0.1L});
+  int asked = 0;
+  const auto after = [&asked](int most) { return [&asked, most] { return ++asked > most; }; };
+  ASSERT_TRUE(contains_ball(solid, bounds, q, 0.89, after(1000)));
+  ASSERT_GT(asked, 2);  // once a cone that is cut in two
+  asked = 0;
+  EXPECT_FALSE(contains_ball(solid, bounds, q, 0.89, after(1)));
+  EXPECT_EQ(asked, 2);
 }
 
 }  // namespace

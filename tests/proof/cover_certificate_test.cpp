@@ -16,9 +16,8 @@
 #include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/solid_reference.hpp"
 #include "verisq/checker.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/error.hpp"
-#include "verisq/signed_distance.hpp"
-#include "verisq/triangle_search.hpp"
 
 namespace verisq {
 namespace {

@@ -1,12 +1,11 @@
 /// Proofs that contradict each other are noticed, with all that a report needs.
-#include "verify/proof/intersection.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 
+#include "verify/proof/verdict.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 

@@ -1,7 +1,5 @@
 /// Uncertain models: no member leaves the enclosure, and some come to its ends.
 /// VERISQ_MEMBERS sets how many members of each model are tried.
-#include "verisq/uncertain_model.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
@@ -12,15 +10,16 @@
 #include <mutex>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/oracle/covered_ball.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
 
 namespace verisq::oracle {
 namespace {

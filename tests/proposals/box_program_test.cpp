@@ -1,10 +1,10 @@
 /// Linear programs over boxes: multipliers prove bounds that samples keep, and that are met.
-#include "verify/proposals/box_program.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+
+#include "verify/proposals/multipliers.hpp"
 
 namespace verisq::verify {
 namespace {

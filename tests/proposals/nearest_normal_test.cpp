@@ -1,12 +1,11 @@
 /// Nearest normals: that the half-spaces and distances that they propose are tight, of flat, round and tapered solids.
-#include "verify/proposals/nearest_normal.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "verify/proof/certificate.hpp"
+#include "verify/proposals/gjk.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 namespace {

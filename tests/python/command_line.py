@@ -1,6 +1,7 @@
 """The programs and files that tests compare the package with."""
 
 import os
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -29,7 +30,8 @@ def map_of_points(model, points, *options):
 
 
 def message(*arguments):
-    """The line with which `verisq` refuses."""
+    """The line with which `verisq` refuses, with options called as the library calls them: `any_side`."""
     outcome = run(*arguments)
     assert outcome.returncode in (1, 2), outcome
-    return outcome.stderr.splitlines()[0].removeprefix("verisq: ")
+    line = outcome.stderr.splitlines()[0].removeprefix("verisq: ")
+    return re.sub("--([a-z]+(?:-[a-z]+)*)", lambda option: "`" + option[1].replace("-", "_") + "`", line)

@@ -180,11 +180,11 @@ class Fits(Files):
                            self.file("none.json"))
         self.refuses(expected.replace(str(self.cavity_file), "mesh"), self.implant, self.cavity)
         inch = verisq.Model.from_dict({**self.implant.to_dict(), "units": "inch"})
-        self.refuses("implants[1]: units inch differ from mm of implants[0]", [self.implant, inch], self.cavity)
-        self.refuses("--gap: give one, because the implants' units are inch, not mm", inch, self.cavity)
-        self.refuses("--crossing neck: no primitive is named neck".replace(" neck:", ":"), self.implant, self.cavity,
+        self.refuses('implants[1]: units "inch" differ from "mm" of implants[0]', [self.implant, inch], self.cavity)
+        self.refuses('`gap`: give one, because the implants\' units are "inch", not mm', inch, self.cavity)
+        self.refuses("`crossing` neck: no primitive is named neck".replace(" neck:", ":"), self.implant, self.cavity,
                      surface="cavity", crossing=["neck"])
-        self.refuses("--keep: needs --landmarks, the bone's", self.implant, self.cavity, keep={"ccd_change": (0, 1)})
+        self.refuses("`keep`: needs `landmarks`, the bone's", self.implant, self.cavity, keep={"ccd_change": (0, 1)})
         self.refuses("labels: no vertex has the value '9', which has a weight", self.implant, self.cavity,
                      surface="cavity", labels=np.zeros(len(self.cavity.vertices), int), weights={"9": 1.0})
         for others in ({"surface": "bones"}, {"completion": "glue"}, {"bound": 100.0}, {"gap": -1.0}, {"samples": 0},
@@ -249,10 +249,10 @@ class WaysIn(Files):
 
     def test_what_is_refused(self):
         path = verisq.straight_path([0, 0, -1], 1.0)
-        with self.assertRaisesRegex(verisq.Error, "^--cavity: nothing says where the bone around it ends"):
+        with self.assertRaisesRegex(verisq.Error, "^`cavity`: nothing says where the bone around it ends"):
             verisq.removed_volume(self.implant, path, cavity=self.cavity)
         inward = verisq.Mesh(self.cavity.vertices, self.cavity.triangles[:, ::-1])
-        with self.assertRaisesRegex(verisq.Error, "^--bone: bone: its normals point inward, as a cavity's$"):
+        with self.assertRaisesRegex(verisq.Error, "^`bone`: bone: its normals point inward, as a cavity's$"):
             verisq.removed_volume(self.implant, path, bone=inward)
         with self.assertRaises(ValueError):
             verisq.removed_volume(self.implant, path)
@@ -272,6 +272,9 @@ class Solids(Files):
         found = verisq.octree(ball, depth=5, device="host")
         self.assertEqual(list(found.volume), ends(said["volume"]))
         self.assertIn(4.0 / 3.0 * np.pi * 8.0, found.volume)
+        limited = verisq.octree(ball, depth=5, device="host", time_limit=1e-9)
+        self.assertTrue(limited.out_of_time and not limited.complete)
+        self.assertIn(4.0 / 3.0 * np.pi * 8.0, limited.volume)
         volumes = found.edge**3
         inside = found.colour == verisq.CubeColour.INSIDE
         self.assertEqual(volumes[inside].sum(), found.volume.lo)  # exact sums
@@ -297,9 +300,13 @@ class Solids(Files):
         self.assertLessEqual(still.smallest_distance.width, 0.01)
         self.assertLess(still.smallest_distance.hi, verisq.map(self.implant, self.cavity.vertices).hi.min() + 1e-9)
         inside = verisq.Model.from_dict(model_of(BALL))
-        self.assertTrue(verisq.prove_containment(inside, self.cavity, "within", device="host").proven)
+        within = verisq.prove_containment(inside, self.cavity, "within", device="host")
+        self.assertTrue(within.proven)
+        self.assertTrue(within.is_proved(inside, self.cavity))
+        self.assertFalse(within.is_proved(self.implant, self.cavity))
         proof = verisq.prove_containment(inside, self.cavity, "around", device="host")
         self.assertFalse(proof.proven)
+        self.assertFalse(proof.is_proved(inside, self.cavity))
         self.assertGreater(proof.triangles_refuted, 0)
         with self.assertRaises(ValueError):
             verisq.prove_containment(inside, self.cavity, "beside")
@@ -420,13 +427,13 @@ class Stance(unittest.TestCase):
             with self.assertRaises(verisq.Error) as caught:
                 stance.wrench(names)
             self.assertEqual(str(caught.exception), message("stance", EXAMPLES / "stance.xml", "--uncertain", text))
-        with self.assertRaisesRegex(verisq.Error, "^--bounce: 'toe' is not one of the cylinders "):
+        with self.assertRaisesRegex(verisq.Error, "^`bounce`: 'toe' is not one of the cylinders "):
             stance.bounce("toe")
         with self.assertRaises(ValueError):
             stance.accelerations(cells=0)
         with self.assertRaisesRegex(ValueError, "at must be \"fall\", \"contact\" or \"standing\", not \"flying\""):
             stance.accelerations(at="flying")
-        with self.assertRaisesRegex(verisq.Error, "^--joint: 'tail' is not one of pelvis tx, "):
+        with self.assertRaisesRegex(verisq.Error, "^`joint`: 'tail' is not one of pelvis tx, "):
             stance.accelerations(joints={"tail": 0.0})
         with self.assertRaisesRegex(verisq.Error, "friction alone could hold"):
             stance.accelerations([], at="standing")

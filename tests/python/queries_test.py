@@ -16,6 +16,10 @@ def model(name):
     return verisq.Model.load(EXAMPLES / name)
 
 
+TRIANGLE = [[[9, 0, 0], [0, 9, 0], [0, 0, 9]]]
+APART = [0, 0, 90, 1, 0, 0, 0]
+
+
 def rotations(count, seed):
     """Poses: translations of some 20, quaternions of any length."""
     return np.random.default_rng(seed).normal(0.0, 1.0, (count, 7)) * [20, 20, 20, 2, 2, 2, 2]
@@ -92,6 +96,11 @@ class ClosestPoints(unittest.TestCase):
         through = verisq.distance_along(a, b, [[200.0, 0, 0, 1, 0, 0, 0], [-200.0, 0, 0, 1, 0, 0, 0]])
         self.assertEqual((through.proximity, tuple(through.smallest)), ("meeting", (0.0, 0.0)))
         self.assertLessEqual(through.meet_at - through.apart_before, 1e-6)
+        self.assertFalse(far.out_of_time)
+        limited = verisq.distance_along(a, b, [[200.0, 0, 0, 1, 0, 0, 0], [0, 200.0, 0, 1, 0, 0, 1]], time_limit=1e-9)
+        self.assertTrue(limited.out_of_time)
+        self.assertLessEqual(limited.smallest.lo, far.smallest.lo)
+        self.assertGreaterEqual(limited.smallest.hi, far.smallest.hi)
         with self.assertRaisesRegex(verisq.Error, "^distance_along: not for models with intervals$"):
             verisq.distance_along(a, model("uncertain_stem.json"), [[0, 0, 0, 1, 0, 0, 0]])
         stem = model("bent_stem.json")
@@ -123,6 +132,53 @@ class ClosestPoints(unittest.TestCase):
             verisq.closest_points(model("soap.json"), [[0, 0, 9], [0, 0, float("inf")]])
         with self.assertRaisesRegex(verisq.Error, "^closest_points: not for models with intervals$"):
             verisq.closest_points(model("uncertain_stem.json"), [[0, 0, 9]])
+
+
+class Refusals(unittest.TestCase):
+    """No number that is none, and no pose that is none, comes to an answer."""
+
+    def test_of_tolerances(self):
+        soap, mesh = model("soap.json"), EXAMPLES / "cavity.off"
+        queries = {
+            "map": lambda tolerance: verisq.map(soap, [[9, 0, 0]], tolerance=tolerance),
+            "map_triangles": lambda tolerance: verisq.map_triangles(soap, TRIANGLE, tolerance=tolerance),
+            "map_poses": lambda tolerance: verisq.map_poses(soap, soap, [APART], tolerance=tolerance),
+            "SignedDistance": lambda tolerance: verisq.SignedDistance(soap)([9, 0, 0], tolerance=tolerance),
+            "distance": lambda tolerance: verisq.distance(soap, soap, APART, tolerance=tolerance),
+            "distance_along": lambda tolerance: verisq.distance_along(soap, soap, [APART], tolerance=tolerance),
+            "octree": lambda tolerance: verisq.octree(soap, tolerance=tolerance),
+            "deviation": lambda tolerance: verisq.deviation(soap, verisq.Mesh.load(mesh), tolerance=tolerance),
+        }
+        for name, query in queries.items():
+            for tolerance in (float("nan"), -1.0):
+                with self.subTest(name, tolerance=tolerance):
+                    with self.assertRaisesRegex((ValueError, verisq.Error), f"tolerance.* {tolerance:g}"):
+                        query(tolerance)
+
+    def test_of_poses(self):
+        soap, zero = model("soap.json"), [0, 0, 9, 0, 0, 0, 0]
+        queries = {
+            "distance": lambda: verisq.distance(soap, soap, zero),
+            "certified_distance": lambda: verisq.certified_distance(soap, soap, zero),
+            "map_poses": lambda: verisq.map_poses(soap, soap, [zero]),
+            "distance_along": lambda: verisq.distance_along(soap, soap, [zero]),
+            "map_along": lambda: verisq.map_along(soap, [[9, 0, 0]], [zero]),
+        }
+        for name, query in queries.items():
+            with self.subTest(name), self.assertRaisesRegex(verisq.Error, "quaternion"):
+                query()
+
+    def test_of_points(self):
+        soap, nowhere = model("soap.json"), [9, float("nan"), 0]
+        queries = {
+            "map": lambda: verisq.map(soap, [nowhere]),
+            "map_triangles": lambda: verisq.map_triangles(soap, [[nowhere, *TRIANGLE[0][1:]]]),
+            "SignedDistance": lambda: verisq.SignedDistance(soap)(nowhere),
+            "closest_points": lambda: verisq.closest_points(soap, [nowhere]),
+        }
+        for name, query in queries.items():
+            with self.subTest(name), self.assertRaisesRegex(verisq.Error, "is not finite"):
+                query()
 
 
 class SingleQueries(unittest.TestCase):
@@ -158,6 +214,9 @@ class SingleQueries(unittest.TestCase):
         self.assertEqual(len({enclosure, verisq.Enclosure(1.0, 2.5)}), 1)
         self.assertNotIn(3.0, enclosure)
         self.assertEqual(repr(enclosure), "Enclosure(lo=1, hi=2.5)")
+        for ends in [(2.0, 1.0), (float("nan"), 1.0), (1.0, float("nan"))]:
+            with self.assertRaisesRegex(ValueError, "lo must be at most hi"):
+                verisq.Enclosure(*ends)
 
     def test_pairs(self):
         pose = [200, 0, 0, 1, 0, 0, 0]
@@ -342,6 +401,8 @@ class Surfaces(unittest.TestCase):
         self.assertFalse(proven.is_proved(model("soap.json"), mesh))
         self.assertFalse(proven.is_proved(ball, mesh.vertices))
         found = verisq.recover(mesh.vertices, units="mm")
+        self.assertFalse(found.out_of_time)
+        self.assertTrue(verisq.recover(mesh.vertices, time_limit=1e-9).out_of_time)
         self.assertEqual(found.model.units, "mm")
         self.assertLess(abs(found.model.bounding_radius - ball.bounding_radius), 0.05)
         self.assertEqual([stage.primitives for stage in found.stages], [1])

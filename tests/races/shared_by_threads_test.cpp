@@ -12,11 +12,9 @@
 #include <thread>
 #include <vector>
 #include <verisq/checker.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
 #include <verisq/octree.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/triangle_distance.hpp>
 
 namespace verisq {
 namespace {

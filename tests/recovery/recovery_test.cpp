@@ -11,16 +11,15 @@
 #include <random>
 #include <vector>
 
-#include "host/recovery/mesh_sample.hpp"
-#include "host/recovery/single_recovery.hpp"
-#include "host/recovery/superquadric_sample.hpp"
-#include "host/recovery/surface_distance.hpp"
-#include "host/recovery/union_fit.hpp"
+#include "host/prepare/superquadric_fit.hpp"
+#include "host/prepare/surface_distance.hpp"
+#include "host/prepare/surface_samples.hpp"
+#include "host/prepare/union_fit.hpp"
 #include "tests/recovery/synthetic_cloud.hpp"
-#include "verify/deviation/triangle_tree.hpp"
+#include "verify/proof/triangle_tree.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/error.hpp"
-#include "verisq/model_mesh.hpp"
-#include "verisq/signed_distance.hpp"
+#include "verisq/mesh_topology.hpp"
 
 namespace verisq::testing {
 namespace {

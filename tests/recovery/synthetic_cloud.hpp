@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "host/recovery/shape.hpp"
-#include "host/recovery/superquadric_sample.hpp"
+#include "host/prepare/surface_distance.hpp"
+#include "host/prepare/surface_samples.hpp"
 
 namespace verisq::recovery {
 

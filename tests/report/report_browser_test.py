@@ -432,11 +432,15 @@ class FittedReport(unittest.TestCase):
         self.assertEqual([smallest["lo"], smallest["hi"]],
                          [min(row[column] for row in self.map) for column in (0, 1)])
         with self.browser() as browser:
-            rows = {row.find_element(By.TAG_NAME, "th").text: row.find_element(By.TAG_NAME, "td").text
-                    for row in browser.all("#summary tr")}
-            for area in self.summary["areas"]:
+            lines = [(row.find_element(By.TAG_NAME, "th").text, row.find_element(By.TAG_NAME, "td").text)
+                     for row in browser.all("#summary tr")]
+            rows = dict(lines)
+            areas = [text for label, text in lines if label == "area"]
+            self.assertEqual(len(areas), len(self.summary["areas"]))
+            for area, text in zip(self.summary["areas"], areas):
                 self.assertEqual(area["points"], len(self.vertices_of(area["name"])))
-                self.assertIn(str(area["points"]), rows["area " + area["name"]])
+                self.assertIn(str(area["points"]), text)
+                self.assertIn(f'named "{area["name"]}"', text)
             translation = rows["translation"].removeprefix("(").removesuffix(") mm").split(", ")
             self.assertEqual([float(coordinate) for coordinate in translation], self.summary["pose"]["translation"])
             self.assertIn("cavity.off: fit of body.json", browser.text("#title"))
@@ -477,6 +481,13 @@ class FilledPage(unittest.TestCase):
             browser.click_canvas()
             self.assertIn(self.hostile, browser.text("#chart"))
             self.assertEqual(browser.all("img, main b"), [])
+
+    def test_units_cannot_speak_for_the_page(self):
+        report = self.report() | {"units": "mm\nall proven\u202e" + "x" * 100}
+        with self.browser("units.html", report) as browser:
+            shown = "\"mm\\u{a}all proven\\u{202e}" + "x" * 46 + "...\""
+            self.assertIn(f"in {shown}) is proven", browser.text("#statement"))
+            self.assertIn(shown, browser.text("#legend"))
 
     def test_special_ends_are_as_in_the_csv(self):
         with self.browser("unbounded.html", self.report()) as browser:

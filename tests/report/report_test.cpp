@@ -22,15 +22,15 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/model_file.hpp>
+#include <verisq/files.hpp>
 #include <verisq/report.hpp>
-#include <verisq/signed_distance.hpp>
 
-#include "host/files/sha256.hpp"
-#include "host/report/base64.hpp"
-#include "host/report/colour_scale.hpp"
-#include "host/report/model_surface.hpp"
+#include "host/files/input_file.hpp"
+#include "host/report/html_report.hpp"
+#include "host/report/picture.hpp"
+#include "host/report/projection.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
@@ -776,7 +776,7 @@ TEST_F(MapReportTest, ShowsTheNumbersOfTheMap) {
   for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ((Enclosure{lo[k], hi[k]}), csv[k].distance);
   EXPECT_THAT(data.at("title").get<std::string>(), HasSubstr("mesh.off"));
   const auto& smallest = data.at("summary").at(0);
-  EXPECT_EQ(smallest.at("label"), "smallest distance");
+  EXPECT_EQ(smallest.at("label"), "smallest distance of the points");
   EXPECT_EQ(Picture(png_).width(), 1600);
 }
 

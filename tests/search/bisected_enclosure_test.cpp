@@ -1,21 +1,19 @@
 /// The paper's method as published: its parts against the mathematics, its enclosures against the oracle and against
 /// the duality certificate, and how wide they are.
-#include "verify/search/bisected_enclosure.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
-#include <verisq/published_method.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/oracle/containment.hpp"
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/published_solids.hpp"
 #include "tests/oracle/random_pairs.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/certified_distance.hpp"
 
 namespace verisq::verify {
 namespace {

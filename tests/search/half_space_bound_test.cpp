@@ -1,6 +1,4 @@
 /// No point of a triangle lies deeper than half-spaces say, and hardly any triangle nearly as deep.
-#include "verify/search/half_space_bound.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +6,9 @@
 #include <vector>
 
 #include "tests/fixtures/random.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {

@@ -1,4 +1,6 @@
 /// The distance of two models: closed forms, touching and overlapping solids, unions, random pairs, certificates.
+#include "verify/search/model_distance.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,12 +11,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/pair_checker.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
-#include "verify/search/pair_memory.hpp"
 
 namespace verisq {
 namespace {
@@ -239,6 +239,42 @@ TEST(ModelDistanceTest, TouchingIsNeverCalledSeparated) {
       EXPECT_EQ(found.distance.lo, 0.0) << e;
       EXPECT_LE(found.distance.hi, 1e-14) << e;
     }
+  }
+}
+
+/// A common point of binary64 numbers is proven where there is one, and a distance of 0 proves one wherever it is.
+TEST(ModelDistanceTest, TouchingAtANumberIsProven) {
+  for (const double e : {0.1, 0.5, 1.0, 1.5, 2.0}) {
+    const Superquadric solid{{1.0, 0.5, 2.0}, {e, e}};
+    for (const Pose& pose : {at(2, 0, 0), at(0, -1, 0), at(0, 0, 4)}) {
+      const ModelDistance found = PairDistance(model(solid), model(solid))(pose);
+      EXPECT_EQ(found.distance, (Enclosure{0.0, 0.0})) << e;
+      EXPECT_EQ(found.proximity, Proximity::overlapping) << e;
+      ASSERT_TRUE(found.certificate.common) << e;
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*found.certificate.common)[i], 0.5 * pose.translation[i]) << e;
+      EXPECT_EQ(prove(model(solid), model(solid), pose, found.certificate), (Enclosure{0.0, 0.0})) << e;
+    }
+  }
+}
+
+/// Balls that all but touch: the gap is known exactly, whatever is said of them agrees with it.
+TEST(ModelDistanceTest, WhatIsSaidOfNearlyTouchingSolidsAgreesWithTheirDistance) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 300; ++i) {
+    const double step = std::round(2.0 * normal(random)) * 0x1p-52;
+    const double x = 2.0 + step;
+    const Pose pose = i % 3 == 0 ? at(x, 0, 0) : i % 3 == 1 ? at(0, 0, -x) : at(x * 0.6, 0, x * 0.8);
+    const Point& t = pose.translation;
+    const long double squared = static_cast<long double>(t[0]) * t[0] + static_cast<long double>(t[2]) * t[2];
+    const long double gap = std::max(0.0L, std::sqrt(squared) - 2.0L);
+    const ModelDistance found = PairDistance(model(ball(1.0)), model(ball(1.0)))(pose);
+    constexpr long double rounding = 1e-18L;
+    EXPECT_LE(found.distance.lo, gap + rounding);
+    EXPECT_GE(found.distance.hi, gap - rounding);
+    EXPECT_EQ(found.proximity == Proximity::separated, found.distance.lo > 0.0);
+    EXPECT_EQ(found.proximity == Proximity::overlapping, found.distance.hi == 0.0);
+    EXPECT_FALSE(gap > 1e-17L && found.proximity == Proximity::overlapping);
   }
 }
 

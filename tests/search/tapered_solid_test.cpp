@@ -7,10 +7,7 @@
 #include <random>
 #include <vector>
 #include <verisq/checker.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/pair_checker.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/triangle_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/oracle/tapered_contact.hpp"
 
@@ -157,6 +154,32 @@ TEST(TaperedSolidTest, CertificatesOfTrianglesProveThem) {
     const Finding finding = Checker(model(solid, pose))(triangle, found.distance, found.certificate);
     EXPECT_EQ(finding.verdict, Verdict::proved);
     EXPECT_EQ(finding.proven, found.distance);
+  }
+}
+
+// |u_z/a3|^(p1-1) is not small at any height that binary64 resolves: the closest point lies on the widest section, or
+// at an end, in all digits, with a normal between those about it.
+TEST(TaperedSolidTest, NearlyDoubleConesAreAsTightAsOthers) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (const double below_two : {0.03, 0.02, 1e-3, 1e-5, 1e-8, 1e-12, 0.0}) {
+    for (const double taper : {3.0, 10.0, 0.2}) {
+      const Superquadric solid{{0.5, 1.25, 0.75}, {2.0 - below_two, 1.0}, taper};
+      SCOPED_TRACE(described(solid));
+      const Model tapered = model(solid);
+      for (const double reach : {1.5, 3.0, 16000.0}) {
+        Point place;
+        for (double& c : place) c = reach * normal(random);
+        Triangle triangle;
+        for (Point& corner : triangle)
+          for (std::size_t k = 0; k < 3; ++k) corner[k] = place[k] + normal(random);
+        const CertifiedEnclosure found = TriangleDistance(tapered).certified(triangle);
+        EXPECT_LE(found.distance.width(), kWidth * reach);
+        EXPECT_LE(SignedDistance(tapered)(place, 0.0).width(), 1e-8 + kWidth * reach);  // inside as covers leave it
+        for (const Point& corner : triangle)
+          EXPECT_LE(found.distance.lo, std::max(0.0, SignedDistance(tapered)(corner, 0.0).hi));
+      }
+    }
   }
 }
 

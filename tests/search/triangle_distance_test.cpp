@@ -1,6 +1,4 @@
 /// Triangles against posed superquadrics: closed forms, every kind of contact, certificates and their falsification.
-#include "verisq/triangle_distance.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -11,10 +9,10 @@
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {

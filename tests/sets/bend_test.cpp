@@ -1,5 +1,5 @@
 // The bend and its inverse against the formula of model.hpp in 400 digits, and the trigonometry below them.
-#include "verify/sets/bend.hpp"
+#include "verify/solids/bend.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
-#include "verify/analysis/trigonometry.hpp"
+#include "verify/numbers/functions.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -1,5 +1,5 @@
 /// The certificate of one bent superquadric: against closed forms, its limit without a bend, and a reference by MPFR.
-#include "verify/sets/bent_distance.hpp"
+#include "verify/search/bent_distance.hpp"
 
 #include <gtest/gtest.h>
 

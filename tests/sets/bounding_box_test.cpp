@@ -1,6 +1,4 @@
 /// Boxes of models: points of bent solids lie in them, closely; set operations combine them.
-#include "verify/sets/bounding_box.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,10 +6,11 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/large_models.hpp"
+#include "verify/search/set_tree.hpp"
 
 namespace verisq {
 namespace {

@@ -1,7 +1,5 @@
 // Colours and half-spaces of posed, tapered and bent superquadrics over cubes against points evaluated at 200 bits and
 // more.
-#include "verify/sets/box_primitive.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -16,6 +14,7 @@
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/search/set_tree.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -4,10 +4,8 @@
 #include <array>
 #include <cmath>
 #include <random>
-#include <verisq/closest_points.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/posed_model.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"

@@ -1,11 +1,10 @@
 /// Root cubes cover, halves are exact, distances enclose.
-#include "verify/sets/cube_division.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "verify/search/octree_cube.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -1,12 +1,11 @@
 /// How far the points of a solid are from a centre, from above: never too little, and exact for ellipsoids.
-#include "verify/sets/enclosing_balls.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "tests/oracle/random_cases.hpp"
+#include "verify/search/solid_pair_certificate.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,5 +1,5 @@
 /// Lower bounds against points of polytopes: never above, and where the polytope is known, not below.
-#include "verify/sets/polytope_distance.hpp"
+#include "verify/search/polytope_distance.hpp"
 
 #include <gtest/gtest.h>
 

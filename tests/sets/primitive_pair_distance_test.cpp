@@ -1,12 +1,12 @@
 /// Lower bounds of the distance of two primitives: beside the proof of convex pairs, and across the hollow of a bend.
-#include "verify/sets/primitive_pair_distance.hpp"
+#include "verify/search/primitive_pair_distance.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numbers>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/model_distance.hpp>
 
 #include "tests/oracle/random_cases.hpp"
 

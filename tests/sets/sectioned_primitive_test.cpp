@@ -1,11 +1,10 @@
 /// Support functions of sections of bent solids: no point reaches farther, and thin sections reach almost as far.
-#include "verify/sets/sectioned_primitive.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "tests/oracle/bent_surface.hpp"
+#include "verify/search/primitive_pair_distance.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,5 +1,5 @@
 /// Truth tables: what is said of colours holds for every way in which the gray ones may turn out.
-#include "verify/sets/set_tree.hpp"
+#include "verify/search/set_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "tests/fixtures/large_models.hpp"
-#include "verify/sets/set_terms.hpp"
 
 namespace verisq::verify {
 namespace {

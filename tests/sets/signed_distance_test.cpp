@@ -7,8 +7,8 @@
 #include <future>
 #include <limits>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/random.hpp"
 #include "tests/oracle/real.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/fixtures/bitten_ball.hpp"
-#include "verify/sets/solid_distance.hpp"
+#include "verify/search/solid_distance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -1,5 +1,5 @@
 /// The branch and bound against closed forms: two spheres combined, boxes, bends.
-#include "verify/sets/solid_distance.hpp"
+#include "verify/search/solid_distance.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <optional>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/random.hpp"
 
@@ -143,6 +143,35 @@ TEST(SolidDistanceTest, ClosedBetweenSolidsThatShareAFace) {
   const Enclosure found = distance(combined({left, right}, SetOperation::unite), {0.0, 0.1, 0.2}, 1e-3);
   EXPECT_LE(found.lo, -0.79);
   EXPECT_GE(found.hi, -0.8);
+}
+
+// A - (A - B) is A's boundary and the lens of both, for a difference removes interiors.
+TEST(SolidDistanceTest, TheBoundaryThatIsLeftOfADifferenceOfDifferencesIsFound) {
+  const SetExpression a{.primitive = 0};
+  const SetExpression b{.primitive = 1};
+  const SetExpression cut{{a, {{a, b}, SetOperation::subtract}}, SetOperation::subtract};
+  Random random(6);
+  constexpr double tolerance = 1e-5;
+  for (int i = 0; i < 60; ++i) {
+    const Point centre = random.point(1.0);
+    const double radius = random.uniform(0.3, 1.2);
+    const SolidDistance search({"", {sphere({}, 1.0), sphere(centre, radius)}, cut});
+    const Point x = random.point(i % 3 == 0 ? 0.9 : 3.0);
+    const double to_a = std::hypot(x[0], x[1], x[2]) - 1.0;
+    const double to_b = std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius;
+    if (std::abs(to_a) < 0.01 || std::abs(to_b) < 0.01) continue;
+    const Enclosure found = search(x, tolerance, nothing_known, never);
+    EXPECT_LE(found.width(), tolerance) << x[0] << ' ' << x[1] << ' ' << x[2];
+    double least = to_a;
+    double most = to_a;
+    if (to_a < 0.0 && to_b < 0.0) least = most = std::max(to_a, to_b);  // in the lens
+    if (to_a < 0.0 && to_b > 0.0) {  // between the boundary and the lens, whose nearest point may lie on its edge
+      least = std::min(-to_a, to_b);
+      most = -to_a;
+    }
+    EXPECT_LE(found.lo, most + 1e-14);
+    EXPECT_GE(found.hi, least - 1e-14);
+  }
 }
 
 TEST(SolidDistanceTest, OfAnySizeAndPlace) {

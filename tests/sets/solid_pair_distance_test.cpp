@@ -7,17 +7,16 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <tuple>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_search.hpp>
 
 #include "tests/fixtures/bitten_ball.hpp"
 #include "tests/oracle/bent_surface.hpp"
-#include "verify/sets/solid_pair_bound.hpp"
-#include "verify/sets/solid_pair_cells.hpp"
-#include "verify/sets/solid_pair_polytope.hpp"
+#include "verify/search/polytope_distance.hpp"
+#include "verify/search/solid_pair_cells.hpp"
 
 namespace verisq {
 namespace {
@@ -307,6 +306,42 @@ TEST(SolidPairDistanceTest, TouchingIsUndecided) {
     EXPECT_EQ(found.distance.lo, 0.0);
     EXPECT_LE(found.distance.hi, 1e-6);
     EXPECT_EQ(found.proximity, Proximity::undecided);
+  }
+}
+
+// ---------------------------------------------------------------- huge and tiny lengths
+
+Point times(const Point& x, double s) {
+  return {s * x[0], s * x[1], s * x[2]};
+}
+
+Model times(Model model, double s) {
+  for (Primitive& primitive : model.primitives) {
+    for (double& a : primitive.superquadric.semi_axes) a *= s;
+    primitive.pose.translation = times(primitive.pose.translation, s);
+    if (primitive.bend) primitive.bend->curvature /= s;
+  }
+  return model;
+}
+
+/// Squares of such lengths are no binary64 numbers; powers of two change nothing else.
+TEST(SolidPairDistanceTest, LengthsMayBeHugeOrTiny) {
+  const Model a = bored_ball();
+  const Model bent = model(capsule, {}, Bend{0.1, 0.0});
+  for (const int exponent : {-1000, -700, -520, 520, 700, 1000}) {
+    const double s = std::ldexp(1.0, exponent);
+    for (const auto& [first, second, pose] :
+         {std::tuple(a, bent, at(3.0, 1.0, 0.5)), std::tuple(bent, a, at(-4.0, 0.25, 2.0)),
+          std::tuple(a, model(ball(0.8)), at(0.3, 0.0, 0.0))}) {
+      const SearchedDistance usual = ModelSearch(first, second)(pose, {.tolerance = 1e-4});
+      const Pose far{times(pose.translation, s), pose.quaternion};
+      const SearchedDistance found = ModelSearch(times(first, s), times(second, s))(far, {.tolerance = 1e-4 * s});
+      EXPECT_LE(found.distance.lo, s * usual.distance.hi) << exponent;
+      EXPECT_GE(found.distance.hi, s * usual.distance.lo) << exponent;
+      EXPECT_LE(found.distance.width(), 1.001e-4 * s) << exponent;
+      EXPECT_EQ(found.proximity, usual.proximity) << exponent;
+      EXPECT_EQ(found.common.has_value(), usual.common.has_value()) << exponent;
+    }
   }
 }
 

@@ -1,7 +1,5 @@
 /// The search over parts of a triangle, told distances of closed form: it contains the exact distance whatever it is
 /// told, and asks for few points.
-#include "verify/sets/triangle_branch_and_bound.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +10,8 @@
 #include <verisq/enclosure.hpp>
 
 #include "tests/fixtures/random.hpp"
-#include "verify/proposals/triangle.hpp"
+#include "verify/proposals/support_mapping.hpp"
+#include "verify/search/solid_triangle_distance.hpp"
 
 namespace verisq::verify {
 namespace {

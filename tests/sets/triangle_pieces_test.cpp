@@ -1,5 +1,5 @@
 /// Pieces cover their triangle, their points belong to it, and balls bound the distance of all of them.
-#include "verify/sets/triangle_pieces.hpp"
+#include "verify/search/triangle_pieces.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,4 @@
 /// The host's distances of triangles to solids that are bent, cut or hollow, against closed forms.
-#include "verisq/triangle_search.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,11 +6,10 @@
 #include <limits>
 #include <numbers>
 #include <verisq/enclosure.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/triangle_distance.hpp>
 
 #include "tests/fixtures/bitten_ball.hpp"
 #include "tests/fixtures/random.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq {
 namespace {
@@ -155,6 +152,54 @@ TEST(TriangleSearchTest, OfAnEmptySolidNothingIsNear) {
       "", {ball({}, 1.0), ball({5.0, 0.0, 0.0}, 1.0)}, SetExpression{{leaf(0), leaf(1)}, SetOperation::intersect}};
   const Triangle triangle{Point{2.0, 0.0, 0.0}, Point{3.0, 0.0, 0.0}, Point{2.0, 1.0, 0.0}};
   EXPECT_EQ(TriangleSearch(apart)(triangle, 1e-6).hi, infinity);
+}
+
+/// All lengths times a power of two.
+double scaled(double x, int exponent) {
+  return std::ldexp(x, exponent);
+}
+
+Point scaled(const Point& x, int exponent) {
+  return {scaled(x[0], exponent), scaled(x[1], exponent), scaled(x[2], exponent)};
+}
+
+Model scaled(Model model, int exponent) {
+  for (Primitive& primitive : model.primitives) {
+    for (double& a : primitive.superquadric.semi_axes) a = scaled(a, exponent);
+    primitive.pose.translation = scaled(primitive.pose.translation, exponent);
+  }
+  return model;
+}
+
+/// Squares of such lengths are no binary64 numbers: distances are as tight as others, and no step is endless.
+TEST(TriangleSearchTest, OfHugeAndTinyLengths) {
+  const Model model = shell();
+  Random random(3);
+  const Triangle outside = small_triangle(random, {2.0, 1.0, 1.0}, 0.5);
+  const Triangle within = small_triangle(random, {0.1, 0.1, 0.0}, 0.05);
+  const Triangle through{{{3.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 3.0, 0.0}}};
+  for (const int exponent : {-1000, -900, -520, 520, 900, 1000}) {
+    const TriangleSearch search(scaled(model, exponent));
+    for (const Triangle& triangle : {outside, within, through}) {
+      const Enclosure usual = TriangleSearch(model)(triangle, 1e-6);
+      const Triangle far{scaled(triangle[0], exponent), scaled(triangle[1], exponent), scaled(triangle[2], exponent)};
+      const Enclosure found = search(far, scaled(1e-6, exponent));
+      EXPECT_LE(found.lo, scaled(usual.hi, exponent)) << exponent;
+      EXPECT_GE(found.hi, scaled(usual.lo, exponent)) << exponent;
+      EXPECT_LE(found.width(), scaled(1e-6, exponent)) << exponent;
+    }
+  }
+}
+
+/// Far beyond: nothing is lost but the tightness, which the whole budget, some 90 seconds, does not bring back.
+TEST(TriangleSearchTest, WhereLengthsOverflow) {
+  const Model model = scaled(shell(), 1021);
+  const Triangle beside{{{1.7e308, -1.7e308, 1.0}, {1.7e308, 1.7e308, 0.0}, {1.7e308, 0.0, 1.7e308}}};
+  int polls = 0;
+  const Enclosure found = TriangleSearch(model)(beside, 1e300, [&] { return ++polls > 200; });
+  const double exact = 1.7e308 - std::ldexp(1.0, 1021);
+  EXPECT_LE(found.lo, exact);
+  EXPECT_GE(found.hi, exact);
 }
 
 }  // namespace

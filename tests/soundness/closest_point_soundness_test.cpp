@@ -15,7 +15,7 @@
 #include <mutex>
 #include <string>
 #include <vector>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/in_parallel.hpp"

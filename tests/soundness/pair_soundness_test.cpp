@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/model_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/containment.hpp"

@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/triangle_search.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/in_parallel.hpp"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/requested_count.hpp"

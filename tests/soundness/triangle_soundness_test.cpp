@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/map.hpp>
-#include <verisq/triangle_distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/containment.hpp"

@@ -7,10 +7,10 @@
 #include <mutex>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
-#include <verisq/model_distance.hpp>
 
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/oracle/in_parallel.hpp"

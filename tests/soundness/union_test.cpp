@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/signed_distance.hpp>
+#include <verisq/distance.hpp>
 
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/oracle/covered_ball.hpp"

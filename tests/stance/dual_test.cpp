@@ -1,6 +1,4 @@
 /// Derivatives over intervals: against differences, samples and the kinks of |x|, sgn, max, min and clamp.
-#include "verify/stance/dual.hpp"
-
 #include <gmock/gmock.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "verify/stance/scalar.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::stance {

@@ -1,7 +1,5 @@
 /// Certificates of equilibria prove what is found, hold an independent formulation's samples, and never prove a
 /// forgery. VERISQ_FORGED_EQUILIBRIA says how many bodies are tried.
-#include "verisq/equilibrium_certificate.hpp"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -9,7 +7,6 @@
 #include <cstddef>
 #include <random>
 #include <vector>
-#include <verisq/certified_equilibrium.hpp>
 #include <verisq/error.hpp>
 
 #include "tests/fixtures/forged_numbers.hpp"
@@ -17,8 +14,9 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/standing_energy.hpp"
-#include "verify/equilibrium/body_at_rest.hpp"
-#include "verify/equilibrium/equilibrium_on_box.hpp"
+#include "verify/proof/body_at_rest.hpp"
+#include "verify/proof/equilibrium_checker.hpp"
+#include "verisq/stance_equilibrium.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 #include <verisq/error.hpp>
-#include <verisq/stance_analysis.hpp>
-#include <verisq/stance_choice.hpp>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/stance_example.hpp"

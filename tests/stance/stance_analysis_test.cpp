@@ -11,12 +11,12 @@
 #include <stdexcept>
 #include <vector>
 #include <verisq/enclosure.hpp>
-#include <verisq/stance_analysis.hpp>
+#include <verisq/stance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/stance_example.hpp"
-#include "verify/stance/linear_system.hpp"
-#include "verify/stance/mean_value_range.hpp"
+#include "verify/stance/equilibrium_location.hpp"
+#include "verify/stance/linear_systems.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -11,11 +11,10 @@
 #include <string>
 #include <vector>
 #include <verisq/enclosure.hpp>
-#include <verisq/stance_bounce.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/stance_example.hpp"
-#include "verify/stance/bounce_phase.hpp"
-#include "verify/stance/verified_integration.hpp"
+#include "verify/stance/bounce.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -9,8 +9,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "verify/stance/contact.hpp"
-#include "verify/stance/friction.hpp"
+#include "verify/stance/standing.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
@@ -114,6 +113,18 @@ TEST(ContactDamping, SlopeIsThatOfDifferenceQuotients) {
     EXPECT_TRUE(encloses(enclosed.partial[0], slope)) << e;
     EXPECT_TRUE(encloses(enclosed.value, damping_factor(e))) << e;
   }
+}
+
+// In one piece e (1 + D) - 1 has no sign over this range: the slope had no bound.
+TEST(ContactDamping, SlopeHasABoundOverAWideRange) {
+  const Interval range(0.09, 0.12);
+  const Interval slopes = damping_slopes(range);
+  for (const double e : {0.09, 0.1, 0.11, 0.12})
+    EXPECT_TRUE(encloses(slopes, damping_slope(e, damping_factor(e)))) << e;
+  const double steepest = damping_slope(0.09, damping_factor(0.09));
+  const double flattest = damping_slope(0.12, damping_factor(0.12));
+  EXPECT_GT(slopes.lower(), 1.5 * steepest);  // both are below 0
+  EXPECT_LT(slopes.upper(), 0.7 * flattest);
 }
 
 // Geometry.

@@ -5,8 +5,6 @@
 #include <random>
 
 #include "tests/fixtures/stance_example.hpp"
-#include "verify/stance/crba.hpp"
-#include "verify/stance/kinematics.hpp"
 #include "verify/stance/rnea.hpp"
 
 namespace verisq::stance {

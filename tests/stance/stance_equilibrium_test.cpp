@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 #include <verisq/error.hpp>
-#include <verisq/stance_choice.hpp>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "tests/oracle/standing_energy.hpp"
 

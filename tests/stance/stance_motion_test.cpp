@@ -12,10 +12,10 @@
 #include <random>
 #include <utility>
 #include <verisq/error.hpp>
-#include <verisq/stance_choice.hpp>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_file.hpp>
 
+#include "host/stance/stance_results.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/stance/taylor_model.hpp"
@@ -515,6 +515,46 @@ TEST(StanceMotion, WhereTheTubeGrowsTheAnswerEndsOpen) {
   EXPECT_FALSE(motion.proven);
   EXPECT_LT(motion.reached, 0.1);
   EXPECT_THAT(motion.open, testing::HasSubstr("grows"));
+}
+
+/// All cylinders rebound by a parameter of this range.
+Model with_restitution(const Enclosure& range) {
+  Model model = standing_model();
+  const auto index = static_cast<std::uint32_t>(model.parameters.size());
+  Parameter restitution = model.parameters.front();
+  restitution.name = "e";
+  restitution.nominal = 0.5 * (range.lo + range.hi);
+  restitution.range = range;
+  model.parameters.push_back(restitution);
+  for (ContactCylinder& cylinder : model.cylinders) cylinder.normal_restitution = {restitution.nominal, range, index};
+  return model;
+}
+
+TEST(StanceMotion, UncertainRestitutionIsFollowedOrLeftOpen) {
+  const std::vector<std::string> names{"e"};
+  const Model narrow = with_restitution({0.09, 0.12});
+  const Motion followed = simulate(narrow, uncertain_parameters(narrow, names), {.duration = 0.002});
+  EXPECT_TRUE(followed.proven) << followed.open;
+  const Model wide = with_restitution({0.5, 1.0});  // at 1 the damping has no derivative
+  const Motion open = simulate(wide, uncertain_parameters(wide, names), {.duration = 0.002});
+  EXPECT_FALSE(open.proven);
+  EXPECT_EQ(open.open, "at its beginning the derivatives have no bound over these ranges");
+}
+
+/// Nine tenths of the time the force is about 300 N; then its enclosure grows without end.
+TEST(StanceMotion, PictureKeepsItsScaleWhereTheTubeGrows) {
+  Motion motion;
+  motion.joints = {"tx", "ty", "rz"};
+  motion.contacts = {"heel"};
+  motion.reached = 1.0;
+  for (int i = 0; i < 20; ++i) {
+    const double force = i < 19 ? 318.0 : 1e42;
+    const std::vector<Enclosure> still(3, {0.0, 1e-6});
+    motion.slabs.push_back({0.05 * i, 0.05 * (i + 1), still, still, {{{299.0, force}, {-1.0, 1.0}}}});
+  }
+  const std::string picture = motion_picture(motion);
+  EXPECT_THAT(picture, testing::HasSubstr("heel, N (cut off: the enclosures reach about [299, 1e+42])"));
+  EXPECT_THAT(picture, testing::HasSubstr(">337</text>"));  // a span of 19 above the highest end of nine tenths
 }
 
 TEST(StanceMotion, RefusesWhatIsNotMirrorSymmetric) {

@@ -1,22 +1,19 @@
 /// Eigenvalues against those of another formulation: the equations of motion by Newton-Euler and composite bodies, in
 /// the file's coordinates, differentiated by differences.
-#include "verisq/stance_stability.hpp"
-
 #include <gmock/gmock.h>
 
 #include <Eigen/Dense>
 #include <complex>
 #include <random>
 #include <verisq/error.hpp>
-#include <verisq/stance_choice.hpp>
-#include <verisq/stance_file.hpp>
+#include <verisq/stance.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
-#include "verify/stance/contact_damping.hpp"
-#include "verify/stance/crba.hpp"
-#include "verify/stance/kinematics.hpp"
-#include "verify/stance/midpoint_radius.hpp"
+#include "verify/stance/linear_systems.hpp"
 #include "verify/stance/rnea.hpp"
+#include "verify/stance/standing.hpp"
+#include "verisq/stance_equilibrium.hpp"
 
 namespace verisq::stance {
 namespace {

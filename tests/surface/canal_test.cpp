@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <verisq/canal.hpp>
-#include <verisq/plane_cut.hpp>
+#include <verisq/mesh_topology.hpp>
 #include <verisq/surface.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"

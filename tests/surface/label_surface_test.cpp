@@ -5,10 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <verisq/label_surface.hpp>
 #include <verisq/surface.hpp>
 
-#include "host/surface/level_surface.hpp"
+#include "host/surface/surface_steps.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 
 namespace verisq {

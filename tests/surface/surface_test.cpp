@@ -10,8 +10,7 @@
 #include <vector>
 #include <verisq/surface.hpp>
 
-#include "host/surface/alpha_shape.hpp"
-#include "host/surface/tetrahedra.hpp"
+#include "host/surface/surface_steps.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 

@@ -1,5 +1,5 @@
 /// Cut cubes against volumes in closed form.
-#include "verify/sweep/clipped_cube.hpp"
+#include "verify/search/clipped_cube.hpp"
 
 #include <gtest/gtest.h>
 
@@ -71,6 +71,20 @@ TEST(ClippedCube, OfThreePlanesAlongTheAxesIsABox) {
   cube.clip({{0.0, 0.0, 1.0}, -2.0 + 0.25});
   EXPECT_TRUE(cube.volume().contains(3.0 * 2.5 * 0.25));
   EXPECT_LE(cube.volume().width(), 1e-9);
+}
+
+/// Normals of slivers are next to nothing: their products with coordinates below 1 underflow.
+TEST(ClippedCube, IsCutByPlanesWhateverTheLengthsOfTheirNormals) {
+  for (const double length : {0x1p-1074, 0x1p-1022, 1.0, 0x1p1000}) {
+    ClippedCube cube(2.0);
+    cube.clip({{1.0, 0.0, 0.0}, 1.0});
+    cube.clip({{0.0, length, length}, 0.0});
+    cube.clip({{length, 0.0, 0.0}, 0.0});
+    EXPECT_TRUE(cube.volume().contains(2.0 * 4.0 * 2.0)) << length;
+    cube.clip({{-length, 0.0, 0.0}, length});  // -1 <= x, of |x| <= 2
+    EXPECT_TRUE(cube.volume().contains(1.0 * 4.0 * 2.0)) << length;
+    EXPECT_LE(cube.volume().width(), 1e-8) << length;
+  }
 }
 
 TEST(ClippedCube, KnowsWhatErrorsOfAPlaneMean) {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <vector>
-#include <verisq/path_distance.hpp>
+#include <verisq/path.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"

@@ -1,5 +1,5 @@
 /// Half-spaces of a moving primitive against points of it at random times.
-#include "verify/sweep/moving_primitive.hpp"
+#include "verify/search/moving_primitive.hpp"
 
 #include <gtest/gtest.h>
 

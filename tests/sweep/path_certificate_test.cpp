@@ -11,11 +11,9 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/certified_path.hpp>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_search.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/path.hpp>
 
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forgeries.hpp"

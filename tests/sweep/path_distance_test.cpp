@@ -9,16 +9,14 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/model_distance.hpp>
-#include <verisq/model_search.hpp>
-#include <verisq/path_distance.hpp>
-#include <verisq/signed_distance.hpp>
+#include <verisq/path.hpp>
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/sweep/random_paths.hpp"
-#include "verify/placement/rigid_path.hpp"
+#include "verify/solids/paths.hpp"
 
 namespace verisq {
 namespace {
@@ -264,6 +262,41 @@ TEST(PathDistance, LeavesAGrazeUndecided) {
   EXPECT_EQ(found.smallest.lo, 0.0);
   EXPECT_LE(found.smallest.hi, 1e-9);
   EXPECT_FALSE(found.proximity == PathProximity::apart);
+}
+
+// In units of their size they are the same numbers: squares of these lengths are none of binary64.
+TEST(PathDistance, OfHugeAndTinyModelsIsThatOfOrdinaryOnes) {
+  const auto at_size = [](double size, std::optional<Bend> bend, const Point& least_translation) {
+    const auto solid = [&](double radius, double z) {
+      return Primitive{"", {{radius * size, 0.5 * size, size}, {0.5, 1.0}}, {{0.0, 0.0, z * size}}, {}};
+    };
+    Model a{"", {solid(0.75, 0.0), solid(0.5, 1.0)}};
+    if (bend) {
+      a.primitives[0].bend = Bend{bend->curvature / size, bend->angle_degrees};
+    } else {
+      a.csg = SetExpression{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
+    }
+    std::vector<Pose> path{{.translation = {3.0, 0.0, 0.0}},
+                           {.translation = least_translation, .quaternion = {0.9, 0.1, 0.0, 0.2}}};
+    for (Pose& pose : path) {
+      for (double& t : pose.translation) t *= size;
+    }
+    return distance_along(path, a, ball({}, 0.5 * size), {.tolerance = 1e-3 * size});
+  };
+  for (const std::optional<Bend>& bend : {std::optional<Bend>(), std::optional(Bend{0.5, 30.0})}) {
+    for (const Point& least : {Point{2.0, 0.25, 0.5}, Point{0.25, 0.25, 0.5}}) {
+      const PathDistance ordinary = at_size(1.0, bend, least);
+      for (const double size : {0x1p-997, 0x1p-664, 0x1p-515, 0x1p332, 0x1p997}) {
+        SCOPED_TRACE(size);
+        const PathDistance found = at_size(size, bend, least);
+        EXPECT_EQ(found.proximity, ordinary.proximity);
+        EXPECT_EQ(found.smallest.lo, ordinary.smallest.lo * size);
+        EXPECT_EQ(found.smallest.hi, ordinary.smallest.hi * size);
+        EXPECT_EQ(found.meet_at, ordinary.meet_at);
+        EXPECT_EQ(found.apart_before, ordinary.apart_before);
+      }
+    }
+  }
 }
 
 TEST(PathDistance, EndsWhenInterrupted) {

@@ -1,12 +1,12 @@
 /// Bisected tetrahedra fill the cube and meet face to face, wherever they were refined.
-#include "host/tessellation/bisected_tetrahedra.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "host/prepare/tetrahedra_surface.hpp"
 
 namespace verisq::tessellation {
 namespace {

@@ -8,11 +8,10 @@
 #include <limits>
 #include <numbers>
 #include <vector>
+#include <verisq/distance.hpp>
+#include <verisq/files.hpp>
 #include <verisq/mesh_topology.hpp>
-#include <verisq/model_file.hpp>
-#include <verisq/model_mesh.hpp>
 #include <verisq/octree.hpp>
-#include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"
@@ -179,6 +178,25 @@ TEST(ModelMesh, OfAShellHasAnInnerSurface) {
   const Mesh mesh = mesh_of(model, 0.01);
   expect_solid(mesh, 2);
   EXPECT_NEAR(signed_volume(mesh), 4.0 * pi / 3.0 * (1.0 - 0.512), 0.01 * area(mesh));
+}
+
+// In units of its size it is the same: squares of these lengths are no binary64 numbers.
+TEST(ModelMesh, OfAHugeOrTinyModelIsThatOfAnOrdinaryOne) {
+  const auto at_size = [](double size) {
+    return model_mesh(combined(ball({}, size), ball({size, 0.0, 0.0}, 0.75 * size), SetOperation::subtract),
+                      {.deviation = 0.05 * size});
+  };
+  const ModelMesh ordinary = at_size(1.0);
+  for (const double size : {0x1p-997, 0x1p-515, 0x1p498, 0x1p997}) {
+    SCOPED_TRACE(size);
+    const ModelMesh found = at_size(size);
+    EXPECT_EQ(found.mesh.triangles, ordinary.mesh.triangles);
+    EXPECT_EQ(found.estimated_deviation, ordinary.estimated_deviation * size);
+    for (std::size_t i = 0; i < ordinary.mesh.vertices.size(); ++i) {
+      const auto& [x, y, z] = ordinary.mesh.vertices[i];
+      EXPECT_EQ(found.mesh.vertices.at(i), (Point{x * size, y * size, z * size}));
+    }
+  }
 }
 
 TEST(ModelMesh, GridsPrimitivesThatAreApart) {

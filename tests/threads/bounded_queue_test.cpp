@@ -1,10 +1,10 @@
 /// Order, limits and ends of queues between threads.
-#include "host/threads/bounded_queue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
+
+#include "host/threads/background_work.hpp"
 
 namespace verisq {
 namespace {

@@ -1,11 +1,11 @@
 /// Reading ahead changes nothing of what is read, nor when its errors come.
-#include "host/threads/read_ahead.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <stdexcept>
 #include <vector>
+
+#include "host/threads/background_work.hpp"
 
 namespace verisq {
 namespace {

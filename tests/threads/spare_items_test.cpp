@@ -1,9 +1,9 @@
 /// Memory that was given back is handed out again, and no more is kept than was asked for.
-#include "host/threads/spare_items.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "host/threads/background_work.hpp"
 
 namespace verisq {
 namespace {

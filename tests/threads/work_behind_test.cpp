@@ -1,11 +1,11 @@
 /// Work that is left to another thread is done in order, and its errors come back.
-#include "host/threads/work_behind.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 #include <stdexcept>
 #include <vector>
+
+#include "host/threads/background_work.hpp"
 
 namespace verisq {
 namespace {

@@ -1,4 +1,4 @@
-/// Directed rounding of binary64 operations, computed in round-to-nearest by error-free transforms.
+/// Directed rounding of binary64.
 #pragma once
 
 #if defined(__FAST_MATH__)

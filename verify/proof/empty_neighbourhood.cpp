@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 
 namespace verisq::verify {
 
@@ -192,15 +193,23 @@ struct EmptyNeighbourhood::Look {
 
 namespace {
 
-bool contains(const auto& solid, const Point& centre, double radius, const Proposal& v) {
-  return solid.contains(centre) && solid.contains_ball_about(centre, radius, v);
+bool contains(const auto& solid, const Point& centre, double radius, const Proposal& v, const Hook& interrupted) {
+  return solid.contains(centre) && solid.contains_ball_about(centre, radius, v, interrupted);
 }
 
 /// By the balls about its corners, where the solid is convex.
 template <class Solid>
-bool contains(const Solid& solid, const Triangle& triangle, double radius, const Proposal& v) {
-  const auto contains_ball = [&](const Point& x) { return contains(solid, x, radius, v); };
+bool contains(const Solid& solid, const Triangle& triangle, double radius, const Proposal& v, const Hook& interrupted) {
+  const auto contains_ball = [&](const Point& x) { return contains(solid, x, radius, v, interrupted); };
   return std::is_same_v<Solid, PosedSuperquadric> && std::ranges::all_of(triangle, contains_ball);
+}
+
+std::span<const Point> corners_of(const Point& x) {
+  return {&x, 1};
+}
+
+std::span<const Point> corners_of(const Triangle& triangle) {
+  return triangle;
 }
 
 /// Of the box along the axes of which centre and half edges are binary64 numbers.
@@ -249,20 +258,6 @@ Real EmptyNeighbourhood::reach(const PreciseVector& v) const {
 }
 
 EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
-                                       const Point& centre, double radius, Place wanted,
-                                       std::span<const Normal> normals, const std::optional<Point>& near)
-    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), nullptr, radius, wanted) {
-  look_at_primitives(centre, radius, normals, near);
-}
-
-EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
-                                       const Triangle& triangle, double radius, std::span<const Normal> normals,
-                                       const std::optional<Point>& near)
-    : EmptyNeighbourhood(set, primitives, std::span(triangle), nullptr, radius, Place::outside) {
-  look_at_primitives(triangle, radius, normals, near);
-}
-
-EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
                                        const PreciseVector& centre, const Real& half_width, Place wanted)
     : set_(set),
       primitives_(primitives),
@@ -274,18 +269,24 @@ EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const
       places_(primitives.size(), Place::undecided),
       touching_(primitives.size()) {}
 
-template <class Query>
-void EmptyNeighbourhood::look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
-                                            const std::optional<Point>& near) {
+template <class PointOrTriangle>
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const PointOrTriangle& query, double radius, Place wanted,
+                                       std::span<const Normal> normals, const std::optional<Point>& near,
+                                       const Hook& interrupted)
+    : EmptyNeighbourhood(set, primitives, corners_of(query), nullptr, radius, wanted) {
+  std::vector<bool> tried(primitives_.size());  // no normal changes the ball of a convex primitive
   for (const auto& [i, vector] : normals) {
     const Proposal v{vector[0], vector[1], vector[2]};
-    const auto is_inside = [&](const auto& solid) { return contains(solid, query, radius, v); };
+    const auto is_inside = [&](const auto& solid) { return contains(solid, query, radius, v, interrupted); };
+    if (interrupted && interrupted()) return;
     if (places_[i] != Place::undecided) continue;
     if (lower_by_normal(primitives_[i], query, v) >= radius) {
       places_[i] = Place::outside;
-    } else if (std::visit(is_inside, primitives_[i])) {
+    } else if (!tried[i] && std::visit(is_inside, primitives_[i])) {
       places_[i] = Place::inside;
     }
+    tried[i] = std::holds_alternative<PosedSuperquadric>(primitives_[i]);
   }
   for (std::size_t i = 0; i < primitives_.size(); ++i) {
     const auto look = [&](const auto& solid) {
@@ -296,6 +297,13 @@ void EmptyNeighbourhood::look_at_primitives(const Query& query, double radius, s
     if (places_[i] == Place::undecided) std::visit(look, primitives_[i]);
   }
 }
+
+template EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression&, std::span<const PosedPrimitive>, const Point&,
+                                                double, Place, std::span<const Normal>, const std::optional<Point>&,
+                                                const Hook&);
+template EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression&, std::span<const PosedPrimitive>, const Triangle&,
+                                                double, Place, std::span<const Normal>, const std::optional<Point>&,
+                                                const Hook&);
 
 // Half edges of the whole are binary64 numbers, offsets whole multiples of the cell's half edges: down to 2^-59 of the
 // whole, both have no more than 53 + 59 bits.
@@ -316,11 +324,16 @@ bool EmptyNeighbourhood::is_empty(const Cell& cell) const {
   return look.is_far(set_, wanted_);
 }
 
-bool EmptyNeighbourhood::is_covered_by(const std::vector<bool>& cover) const {
+bool EmptyNeighbourhood::is_refuted_at_middle(const Cell& cell) const {
+  const PreciseVector offset(cell.offset[0], cell.offset[1], cell.offset[2]);
+  return verify::place_of(centre_ + offset, set_, primitives_) == opposite(wanted_);
+}
+
+bool EmptyNeighbourhood::is_covered_by(const std::vector<bool>& cover, const Hook& interrupted) const {
   if (cover.size() > longest_cover || !(std::ranges::max(whole_.half) < Real(infinity))) return false;
   std::vector<Cell> open{whole()};
   for (const bool halved : cover) {
-    if (open.empty()) return false;
+    if (open.empty() || (interrupted && interrupted())) return false;
     const Cell cell = open.back();
     open.pop_back();
     if (!halved && !is_empty(cell)) return false;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "verify/proof/triangle_certificate.hpp"
-#include "verisq/certificate.hpp"
+#include "verisq/checker.hpp"
 #include "verisq/mesh.hpp"
 
 namespace verisq::verify {
@@ -45,12 +45,13 @@ class EmptyNeighbourhood {
   static constexpr std::size_t longest_cover = 1U << 16U;  ///< a checker's work is bounded
 
   /// Each of the normals may tell on which side of its primitive the whole neighbourhood lies; `near`, a point beside
-  /// the nearest of the set, which half-spaces serve. Keeps references to the set and its primitives. Precondition:
-  /// finite, radius > 0; normals of primitives that exist; of a triangle Place::outside is wanted.
-  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const Point& centre,
-                     double radius, Place wanted, std::span<const Normal> normals, const std::optional<Point>& near);
-  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const Triangle& triangle,
-                     double radius, std::span<const Normal> normals, const std::optional<Point>& near);
+  /// the nearest of the set, which half-spaces serve. Once `interrupted`, polled unless empty, says so, the normals
+  /// tell no more. Keeps references to the set and its primitives. Precondition: finite, radius > 0; normals of
+  /// primitives that exist; of a triangle Place::outside is wanted.
+  template <class PointOrTriangle>
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const PointOrTriangle& query,
+                     double radius, Place wanted, std::span<const Normal> normals, const std::optional<Point>& near,
+                     const Hook& interrupted = {});
 
   /// Of a body about `centre`; it is kept, too. Place::outside is wanted.
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const ConvexBody& body,
@@ -60,14 +61,17 @@ class EmptyNeighbourhood {
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const PreciseVector& centre,
                      const Real& half_width, Place wanted);
 
-  /// Whether the cells of the cover, as Certificate states it, are all proven.
-  [[nodiscard]] bool is_covered_by(const std::vector<bool>& cover) const;
+  /// Whether the cells of the cover, as Certificate states it, are all proven; false once interrupted.
+  [[nodiscard]] bool is_covered_by(const std::vector<bool>& cover, const Hook& interrupted = {}) const;
 
   [[nodiscard]] const Cell& whole() const { return whole_; }  ///< contains the neighbourhood
   /// Across the first of its longest edges; nothing of cells so small that the halves would not be exact in 127 bits.
   [[nodiscard]] std::optional<std::array<Cell, 2>> halves(const Cell& cell) const;
   /// Whether the part of the neighbourhood in the cell is proven to hold nothing of the set.
   [[nodiscard]] bool is_empty(const Cell& cell) const;
+  /// True where the cell's middle is proven to be on the other side than wanted. Then no division proves a cube, which
+  /// holds all of its cells.
+  [[nodiscard]] bool is_refuted_at_middle(const Cell& cell) const;
 
  private:
   struct Look;
@@ -77,9 +81,6 @@ class EmptyNeighbourhood {
                      std::span<const Point> corners, const ConvexBody* body, double radius, Place wanted);
   /// No smaller than v·x of any x of point, triangle or body, from the centre.
   [[nodiscard]] Real reach(const PreciseVector& v) const;
-  template <class Query>
-  void look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
-                          const std::optional<Point>& near);
 
   const SetExpression& set_;
   std::span<const PosedPrimitive> primitives_;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <span>
 
-#include "verify/proof/convex_union.hpp"
 #include "verify/proof/empty_neighbourhood.hpp"
-#include "verify/proof/intersection.hpp"
+#include "verify/proof/verdict.hpp"
+#include "verify/solids/model.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
@@ -25,25 +25,26 @@ Proposal proposal(const std::array<double, 3>& v) {
 }
 
 /// An upper end: `claimed` or less if it can be proven with v, else what can be.
-double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed) {
+double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed,
+                 const Hook& interrupted) {
   return std::visit(
       [&](const auto& solid) {
         const double by_normal = claimed > 0.0 ? solid.upper_by_normal(x, v) : infinity;
         if (by_normal <= claimed) return by_normal;
         if (!solid.contains(x)) return solid.upper_by_normal(x, v);
-        return claimed < 0.0 && solid.contains_ball_about(x, -claimed, v) ? claimed : 0.0;
+        return claimed < 0.0 && solid.contains_ball_about(x, -claimed, v, interrupted) ? claimed : 0.0;
       },
       primitive);
 }
 
 /// The least of the distances to the primitives, by spheres and normals.
 template <class Query>
-double least(Primitives primitives, const Query& query, std::span<const Normal> normals) {
+double least(Primitives primitives, const Query& query, std::span<const Normal> normals, const Hook& interrupted) {
   std::vector<double> lower;
-  for (const PosedPrimitive& primitive : primitives) {
-    lower.push_back(std::visit([&](const auto& solid) { return lower_by_sphere(solid, query); }, primitive));
-  }
+  for (const PosedPrimitive& p : primitives)
+    lower.push_back(std::visit([&](const auto& solid) { return lower_by_sphere(solid, query); }, p));
   for (const auto& [index, v] : normals) {
+    if (interrupted && interrupted()) break;
     lower[index] = std::max(lower[index], lower_by_normal(primitives[index], query, proposal(v)));
   }
   return std::ranges::min(lower);
@@ -51,8 +52,8 @@ double least(Primitives primitives, const Query& query, std::span<const Normal> 
 
 /// Whether the exact signed distance is the least of the primitives': that of the union is where all are positive
 /// (not where one is 0: a point on a face that two solids share lies inside), and a single primitive's always.
-double lower_by_normals(Primitives primitives, const Point& x, std::span<const Normal> normals) {
-  const double of_primitives = least(primitives, x, normals);
+double lower_by_normals(Primitives primitives, const Point& x, std::span<const Normal> normals, const Hook& ended) {
+  const double of_primitives = least(primitives, x, normals, ended);
   return of_primitives > 0.0 || primitives.size() == 1 ? of_primitives : -infinity;
 }
 
@@ -60,18 +61,29 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
 SetExpression set_of(const Model& model) {
   if (model.csg) return *model.csg;
   SetExpression all;
-  for (std::uint32_t i = 0; i < model.primitives.size(); ++i) {
+  for (std::uint32_t i = 0; i < model.primitives.size(); ++i)
     all.operands.push_back({.operands = {}, .operation = SetOperation::unite, .primitive = i});
-  }
   return all;
 }
 
-/// `claimed` or less as soon as a normal proves it, else the least that one proves.
-double upper(Primitives primitives, const Point& x, double claimed, std::span<const Normal> normals) {
+/// `claimed` or less as soon as a normal proves it, else the least that one proves. Inside, a normal may cost the proof
+/// of a ball, some seconds where it fails: of a row only the first few are tried, of a convex primitive, whose ball no
+/// normal changes, one.
+double upper(Primitives primitives, const Point& x, double claimed, std::span<const Normal> normals,
+             const Hook& interrupted) {
+  constexpr std::size_t most_balls = 4;
+  std::vector<std::uint32_t> tried;
   double least = infinity;
   for (const auto& [index, v] : normals) {
-    least = std::min(least, upper_end(primitives[index], x, proposal(v), claimed));
-    if (least <= claimed) break;
+    if (claimed < 0.0) {
+      const bool again = std::holds_alternative<PosedSuperquadric>(primitives[index]) &&
+                         std::ranges::find(tried, index) != tried.end();
+      if (again) continue;
+      if (tried.size() == most_balls) break;
+      tried.push_back(index);
+    }
+    least = std::min(least, upper_end(primitives[index], x, proposal(v), claimed, interrupted));
+    if (least <= claimed || (interrupted && interrupted())) break;
   }
   return least;
 }
@@ -101,7 +113,10 @@ Certificate known(Primitives primitives, Certificate certificate) {
 
 }  // namespace
 
-ExactChecker::ExactChecker(const Model& model) : set_(set_of(model)), is_union_(is_union(model)) {
+ExactChecker::ExactChecker(const Model& model) {
+  require_valid(model);
+  set_ = set_of(model);
+  is_union_ = is_union(model);
   for (const Primitive& primitive : model.primitives) {
     if (is_bent(primitive)) {
       primitives_.emplace_back(std::in_place_type<PosedBent>, primitive);
@@ -111,19 +126,14 @@ ExactChecker::ExactChecker(const Model& model) : set_(set_of(model)), is_union_(
   }
 }
 
-/// Whether the ball is proven to hold nothing of the solid, or of the closure of its complement.
-bool ExactChecker::is_covered(const Point& x, double radius, Place wanted, const Certificate& certificate) const {
+/// True where the neighbourhood is proven to hold nothing of the solid, or of the closure of its complement.
+template <class Query>
+bool ExactChecker::is_covered(const Query& query, double radius, Place wanted, const Certificate& certificate,
+                              const Hook& interrupted) const {
   if (!(radius > 0.0) || !std::isfinite(radius) || certificate.cover.empty()) return false;
   const std::optional<Point>& near = wanted == Place::outside ? certificate.witness : certificate.escape;
-  return EmptyNeighbourhood(set_, primitives_, x, radius, wanted, certificate.normals, near)
-      .is_covered_by(certificate.cover);
-}
-
-/// The same of the points nearer than that to a triangle, and of the solid.
-bool ExactChecker::is_covered(const Triangle& triangle, double radius, const Certificate& certificate) const {
-  if (!(radius > 0.0) || !std::isfinite(radius) || certificate.cover.empty()) return false;
-  return EmptyNeighbourhood(set_, primitives_, triangle, radius, certificate.normals, certificate.witness)
-      .is_covered_by(certificate.cover);
+  return EmptyNeighbourhood(set_, primitives_, query, radius, wanted, certificate.normals, near, interrupted)
+      .is_covered_by(certificate.cover, interrupted);
 }
 
 /// How far a point is that is proven to have the place.
@@ -133,30 +143,35 @@ double ExactChecker::distance_of(const PreciseVector& x, const std::optional<Poi
 }
 
 /// A point outside is no deeper inside than another point outside is far.
-double ExactChecker::proven_lower(const Point& x, double claimed, const Certificate& certificate) const {
-  const double by_normals = is_union_ ? lower_by_normals(primitives_, x, certificate.normals) : -infinity;
+double ExactChecker::proven_lower(const Point& x, double claimed, const Certificate& certificate,
+                                  const Hook& interrupted) const {
+  const double by_normals = is_union_ ? lower_by_normals(primitives_, x, certificate.normals, interrupted) : -infinity;
   if (by_normals > 0.0 && (by_normals >= claimed || certificate.cover.empty())) return by_normals;
-  if (is_covered(x, claimed, Place::outside, certificate)) return claimed;
+  if (is_covered(x, claimed, Place::outside, certificate, interrupted)) return claimed;
   return std::max(by_normals, -distance_of(precise(x), certificate.escape, Place::outside));
 }
 
-double ExactChecker::proven_upper(const Point& x, double claimed, const Certificate& certificate) const {
-  const double by_normals = is_union_ ? upper(primitives_, x, claimed, certificate.normals) : infinity;
+double ExactChecker::proven_upper(const Point& x, double claimed, const Certificate& certificate,
+                                  const Hook& interrupted) const {
+  const double by_normals = is_union_ ? upper(primitives_, x, claimed, certificate.normals, interrupted) : infinity;
   if (by_normals <= claimed) return by_normals;
-  if (is_covered(x, -claimed, Place::inside, certificate)) return claimed;
+  if (is_covered(x, -claimed, Place::inside, certificate, interrupted)) return claimed;
   return std::min(by_normals, distance_of(precise(x), certificate.witness, Place::inside));
 }
 
-Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {
+Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
+                                   const Hook& interrupted) const {
   const Certificate used = known(primitives_, certificate);
-  return between(proven_lower(point, claimed.lo, used), proven_upper(point, claimed.hi, used),
+  return between(proven_lower(point, claimed.lo, used, interrupted), proven_upper(point, claimed.hi, used, interrupted),
                  [&] { return "the signed distance at " + text_of(point); });
 }
 
-double ExactChecker::proven_lower(const Triangle& triangle, double claimed, const Certificate& certificate) const {
-  const double by_normals = is_union_ ? std::max(0.0, least(primitives_, triangle, certificate.normals)) : 0.0;
+double ExactChecker::proven_lower(const Triangle& triangle, double claimed, const Certificate& certificate,
+                                  const Hook& interrupted) const {
+  const double of_normals = is_union_ ? least(primitives_, triangle, certificate.normals, interrupted) : 0.0;
+  const double by_normals = std::max(0.0, of_normals);
   if (by_normals >= claimed) return by_normals;
-  return is_covered(triangle, claimed, certificate) ? claimed : by_normals;
+  return is_covered(triangle, claimed, Place::outside, certificate, interrupted) ? claimed : by_normals;
 }
 
 double ExactChecker::proven_upper(const Triangle& triangle, double claimed, const Certificate& certificate) const {
@@ -169,10 +184,10 @@ double ExactChecker::proven_upper(const Triangle& triangle, double claimed, cons
   return std::min(by_normals, distance_of(x, certificate.witness, Place::inside));
 }
 
-Enclosure ExactChecker::operator()(const Triangle& triangle, const Enclosure& claimed,
-                                   const Certificate& certificate) const {
+Enclosure ExactChecker::operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
+                                   const Hook& interrupted) const {
   const Certificate used = known(primitives_, certificate);
-  return between(proven_lower(triangle, claimed.lo, used), proven_upper(triangle, claimed.hi, used),
+  return between(proven_lower(triangle, claimed.lo, used, interrupted), proven_upper(triangle, claimed.hi, used),
                  [&] { return "the distance of the triangle from " + text_of(triangle[0]); });
 }
 

@@ -1,14 +1,18 @@
-/// One posed superquadric K and what single evaluations prove about a point of the model frame.
-///
-/// The origin of K's own frame is its focus (docs/mathematics.md §18), without a taper its centre.
+/// Superquadrics in their place, bent or not, and what certificates prove about them.
 #pragma once
 
 #include <optional>
 
-#include "verify/proof/certificate.hpp"
-#include "verify/proof/rigid_motion.hpp"
+#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// One posed superquadric K and what single evaluations prove about a point of the model frame.
+//
+// The origin of K's own frame is its focus (docs/mathematics.md §18), without a taper its centre.
 
 /// Where the points c + e of the model frame, |e_i| <= half[i], lie in a primitive's own frame, about the origin of its
 /// gauge: y(c + e) lies in `range`, and is centre + D e for a D in `derivative`.
@@ -48,11 +52,13 @@ class PosedSuperquadric {
   /// sd(x) <= |x - b|, where b = (x - v) / g(x - v) lies in K.
   [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const;
 
-  /// Whether g(x) <= 1 is proven.
-  [[nodiscard]] bool contains(const Point& x) const;
+  /// True proves g(x) <= 1 for all points of the box.
+  [[nodiscard]] bool contains(const PreciseVector& x) const;
+  [[nodiscard]] bool contains(const Point& x) const { return contains(precise(x)); }
 
-  /// Whether the ball is proven to lie in K, by covering it with cones, whatever v is.
-  [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v = {}) const;
+  /// True where the ball is proven to lie in K, by covering it with cones, whatever v is; false once interrupted.
+  [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v = {},
+                                         const Hook& interrupted = {}) const;
 
   [[nodiscard]] std::optional<OwnRegion> over(const PreciseVector& centre, const std::array<Real, 3>& half) const;
 
@@ -62,6 +68,83 @@ class PosedSuperquadric {
   RigidMotion motion_;
   PreciseVector box_;
   PreciseInterval radius_;
+};
+
+// One posed and bent superquadric β(K), and what single evaluations prove about a point of the model frame
+// (docs/mathematics.md §9).
+
+/// As PosedSuperquadric, whose functions of the same names say what they prove. The origin of the own frame, in which
+/// all vectors are stated, is the centre, also of a tapered solid: bends act about it. What cannot be proven, as where
+/// the condition of §9 does not hold, is an infinite end or false. Immutable after construction.
+class PosedBent {
+ public:
+  /// Precondition: `primitive` has a bend.
+  explicit PosedBent(const Primitive& primitive);
+
+  [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
+  [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
+  [[nodiscard]] const RigidMotion& motion() const { return motion_; }
+  [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
+
+  [[nodiscard]] double lower_by_sphere(const PreciseVector& x) const;
+  [[nodiscard]] double lower_by_sphere(const Point& x) const { return lower_by_sphere(precise(x)); }
+
+  /// By the sphere, or because the box lies beyond the half planes of K's ends, γ = ±|k| a3.
+  [[nodiscard]] bool misses(const PreciseVector& box) const;
+
+  /// From below, with p = x - v: d(x, β(K))² >= |v|² - 2 (h(-w) + w·β⁻¹(p)), w = β'(β⁻¹(p))ᵀ (p - x), where f is proven
+  /// to lie above its tangent plane on all points of K that are as near as the upper end: d(x, β(K)) <= |x - β(b)|,
+  /// where b is β⁻¹(p) scaled to the surface of K.
+  [[nodiscard]] Enclosure by_normal(const Point& x, const Proposal& v) const;
+  [[nodiscard]] double lower_by_normal(const Point& x, const Proposal& v) const { return by_normal(x, v).lo; }
+
+  /// The upper end alone.
+  [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const;
+
+  [[nodiscard]] bool contains(const Point& x) const;
+
+  /// Whether the ball is proven to lie in β(K), as it does where it is more curved at x - v, |v| = radius, than the
+  /// boundary. `v` may have any length.
+  [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v, const Hook& = {}) const;
+
+  /// Unbent, about the focus. Nothing where the region may meet the half plane in which the angle jumps.
+  [[nodiscard]] std::optional<OwnRegion> over(const PreciseVector& centre, const std::array<Real, 3>& half) const;
+
+  /// How far f rises above its tangent planes at points of K: the condition's left side less its right one, >= 0,
+  /// rounded down, and the largest turn |δ| of the points that count.
+  struct Rise {
+    Real margin;
+    Real turn;
+  };
+
+  /// Of tangent planes at `x0`, any of a box, on all points of K as near to the query as `upper`, a bound of its
+  /// distance. Nothing where it is not proven.
+  [[nodiscard]] std::optional<Rise> rise(const PreciseVector& unbent_query, const PreciseVector& x0,
+                                         const Real& upper) const;
+
+ private:
+  struct Query {
+    PreciseVector bent;  ///< in the own frame
+    std::optional<PreciseVector> unbent;
+  };
+
+  [[nodiscard]] PreciseVector turned(const PreciseVector& v) const;
+  [[nodiscard]] PreciseVector turned_back(const PreciseVector& v) const;
+  [[nodiscard]] PreciseVector bent(const PreciseVector& unbent) const;
+  [[nodiscard]] std::optional<PreciseVector> unbent(const PreciseVector& bent) const;
+  [[nodiscard]] PreciseMatrix unbending(const PreciseVector& unbent) const;
+  [[nodiscard]] PreciseVector pulled_back(const PreciseVector& v, const PreciseVector& unbent) const;
+  [[nodiscard]] Query query(const Point& x) const;
+  [[nodiscard]] std::optional<Real> upper(const Query& q, const PreciseVector& x0) const;
+
+  Superquadric superquadric_;
+  SuperquadricBounds<Real> bounds_;
+  PreciseVector focus_;  ///< about which gauge and support function are
+  RigidMotion motion_;
+  PreciseInterval k_;
+  PreciseInterval cosine_, sine_;  ///< of the direction's angle from x to y
+  PreciseInterval angle_;          ///< the largest |γ| of K
+  PreciseInterval radius_;         ///< of a sphere about the origin that contains β(K)
 };
 
 }  // namespace verisq::verify

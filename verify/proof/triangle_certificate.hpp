@@ -4,7 +4,7 @@
 #include <array>
 #include <variant>
 
-#include "verify/proof/posed_bent.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verisq/mesh.hpp"
 
 namespace verisq::verify {

@@ -1,10 +1,4 @@
-/// The Gilbert-Johnson-Keerthi algorithm: closest points of two convex sets given by support mappings alone.
-///
-/// It proposes and proves nothing: directions and points go into certificates. The paper uses it through SOLID (§5.1);
-/// this one finds the closest point of a simplex by signed volumes (Montanari, Petrinic, Barbieri 2017) and ends in
-/// every case, because the distance must fall strictly from step to step. In binary64 it is accurate to rounding but
-/// for sets that nearly touch or hardly overlap: there the simplices are slivers, and it stalls at up to 1e-8 of the
-/// size for a point, 1e-5 for two solids, some thousand times less in long double.
+/// The nearest points of two convex bodies, and normals between them, in floating point.
 #pragma once
 
 #include <array>
@@ -13,9 +7,18 @@
 #include <cstddef>
 #include <limits>
 
-#include "verify/proposals/triangle.hpp"
+#include "verify/proposals/support_mapping.hpp"
+#include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// The Gilbert-Johnson-Keerthi algorithm: closest points of two convex sets given by support mappings alone.
+//
+// It proposes and proves nothing: directions and points go into certificates. The paper uses it through SOLID (§5.1);
+// this one finds the closest point of a simplex by signed volumes (Montanari, Petrinic, Barbieri 2017) and ends in
+// every case, because the distance must fall strictly from step to step. In binary64 it is accurate to rounding but
+// for sets that nearly touch or hardly overlap: there the simplices are slivers, and it stalls at up to 1e-8 of the
+// size for a point, 1e-5 for two solids, some thousand times less in long double.
 
 /// `set(v)` is a point of a convex set where v·x is largest, for every v, zero included.
 template <class Set, class Float>
@@ -136,5 +139,65 @@ template <class Float, SupportMapping<Float> SetA, SupportMapping<Float> SetB>
   }
   return result;
 }
+
+// The best of some normals that may separate two convex sets, in plain floating point. Proposes, proves nothing.
+
+/// Of those that are offered the one along which B lies farthest beyond A.
+template <SupportMapping<double> SetA, SupportMapping<double> SetB>
+class BestNormal {
+ public:
+  /// Both have to outlive this.
+  BestNormal(const SetA& a, const SetB& b) : a_(a), b_(b) {}
+
+  /// Of any length. One along which numbers overflow is none.
+  void offer(const Coordinates<double>& n) {
+    const double gap = (dot(n, b_({-n[0], -n[1], -n[2]})) - dot(n, a_(n))) / std::sqrt(dot(n, n));
+    if (!(gap > gap_)) return;
+    normal_ = n;
+    gap_ = gap;
+  }
+
+  /// That of a triangle, and its opposite.
+  void offer_normals_of(const std::array<Coordinates<double>, 3>& corners) {
+    const Coordinates<double> n = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    offer(n);
+    offer({-n[0], -n[1], -n[2]});
+  }
+
+  /// Zero before one was offered.
+  [[nodiscard]] const Coordinates<double>& normal() const { return normal_; }
+  /// About how far that is; negative where the sets are not apart along it.
+  [[nodiscard]] double gap() const { return gap_; }
+
+ private:
+  const SetA& a_;
+  const SetB& b_;
+  Coordinates<double> normal_{};
+  double gap_ = -std::numeric_limits<double>::infinity();
+};
+
+// The normal of a superquadric where it is nearest to a point, in plain floating point. Proposes, proves nothing.
+
+/// Tapered or not, not bent.
+class NearestNormal {
+ public:
+  explicit NearestNormal(const Superquadric& solid);
+
+  struct Found {
+    Coordinates<double> normal;  ///< of length 1; zero where nothing was found
+    double distance;             ///< signed, about
+  };
+
+  /// In the solid's own frame, whose origin is its focus. Outside by GJK, inside by the shortest walk that
+  /// is found.
+  [[nodiscard]] Found operator()(const Coordinates<double>& q) const;
+
+ private:
+  [[nodiscard]] Found from_outside(const Coordinates<double>& q) const;
+
+  SuperquadricSet<double> set_;
+  Boundary<double> boundary_;
+  bool tapered_;
+};
 
 }  // namespace verisq::verify

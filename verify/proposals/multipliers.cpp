@@ -1,4 +1,6 @@
-/// Multipliers of half-spaces: where they and a point, triangle or convex body are nearest to each other.
+/// This file implements multipliers.hpp.
+#include "verify/proposals/multipliers.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "verify/proof/proposals.hpp"
-#include "verify/proposals/triangle.hpp"
+#include "verify/proposals/support_mapping.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -43,9 +45,9 @@ struct LinearSystem {
 /// The pairs of a point of the half-spaces and one of the hull that are nearest to each other, as far as at most three
 /// half-spaces and one of the hull's corners, edges or its face decide: a quadratic program this small is solved by
 /// trying them all, where ascent in one multiplier at a time hardly moves between nearly parallel planes.
-class Multipliers {
+class MultipliersOfCorners {
  public:
-  Multipliers(std::span<const Vector> corners, std::span<const proposed::HalfSpace> half_spaces)
+  MultipliersOfCorners(std::span<const Vector> corners, std::span<const proposed::HalfSpace> half_spaces)
       : corners_(corners), half_spaces_(half_spaces) {}
 
   /// The best, if `value` is exceeded, where one corner is all there is.
@@ -155,7 +157,7 @@ class Multipliers {
 
 std::optional<std::vector<double>> proposed::multipliers(std::span<const Vector> corners,
                                                          std::span<const HalfSpace> half_spaces, double value) {
-  return Multipliers(corners, half_spaces)(value);
+  return MultipliersOfCorners(corners, half_spaces)(value);
 }
 
 // Gilbert's algorithm: a point p of the body, N from the nearest point of the half-spaces to p; where the body reaches
@@ -165,7 +167,7 @@ std::optional<std::vector<double>> proposed::multipliers(const FarthestPoint& bo
   constexpr int most_steps = 256;  // flat bodies take hundreds, others a few
   Vector p = inside;
   for (int step = 0; step < most_steps; ++step) {
-    const Multipliers of_p(std::span(&p, 1), half_spaces);
+    const MultipliersOfCorners of_p(std::span(&p, 1), half_spaces);
     auto m = of_p.best(value);
     if (!m) return std::nullopt;  // p itself is nearer
     const auto [n, rest] = of_p.normal_of(*m);
@@ -177,6 +179,168 @@ std::optional<std::vector<double>> proposed::multipliers(const FarthestPoint& bo
     p = along(p, way, std::min(1.0, share));
   }
   return std::nullopt;
+}
+
+namespace {
+
+using Vector = Coordinates<double>;
+
+double largest_difference(const Vector& a, const Vector& b) {
+  return std::max({std::fabs(a[0] - b[0]), std::fabs(a[1] - b[1]), std::fabs(a[2] - b[2])});
+}
+
+InnerWalk first_walk(const Boundary<double>& boundary, bool is_tapered, const Vector& q) {
+  InnerWalk shortest{{}, infinity};
+  const auto consider = [&](const Vector& direction) {
+    const double length = boundary.exit(q, direction);
+    if (length < shortest.length) shortest = {direction, length};
+  };
+  consider({1.0, 0.0, 0.0});
+  consider({0.0, 1.0, 0.0});
+  consider({0.0, 0.0, 1.0});
+  if (is_tapered) consider({0.0, 0.0, -1.0});
+  if (boundary.gauge(q) > 0.0) consider(boundary.normal(q));
+  return shortest;
+}
+
+}  // namespace
+
+// A plane through x with normal n(x) supports the solid: the walk from q along n(x) ends no later than at that plane,
+// which is no farther from q than x.
+InnerWalk shortest_walk(const Boundary<double>& boundary, bool is_tapered, const Vector& q,
+                        const InnerWalkLimits& limits) {
+  InnerWalk walk = first_walk(boundary, is_tapered, q);
+  for (int i = 0; i < limits.most_walks; ++i) {
+    const Vector normal = boundary.normal(along(q, walk.direction, walk.length));
+    const double change = largest_difference(normal, walk.direction);
+    const double length = boundary.exit(q, normal);
+    if (!(length <= walk.length)) break;
+    walk = {normal, length};
+    if (change < limits.steady_direction) break;
+  }
+  return walk;
+}
+
+}  // namespace verisq::verify
+
+namespace verisq::verify::proposed {
+
+long double exit(const Superquadric& solid, const Proposal& q, const Proposal& w, long double level) {
+  return Boundary<long double>(solid).exit(q, w, level);
+}
+
+Proposal gradient(const Superquadric& solid, const Proposal& x) {
+  using Vector = std::array<double, 3>;
+  const Boundary<double> boundary(solid);
+  Vector folded{static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
+  for (std::size_t i = 0; i < (is_tapered(solid) ? 2 : 3); ++i) folded[i] = std::fabs(folded[i]);
+  const Vector w = boundary.normal(folded);
+  const double scale = boundary.gauge(folded) / dot(w, folded);  // Euler: g is homogeneous
+  Proposal result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = std::copysign(scale * w[i], x[i]);
+  if (is_tapered(solid)) result[2] = scale * w[2];
+  return result;
+}
+
+Proposal closest_to_origin(const std::array<Proposal, 3>& corners) {
+  return verify::closest_to_origin(corners[0], corners[1], corners[2]);
+}
+
+long double support_root(long double section, long double height, long double k, long double q) {
+  return near_root_of_support(section, height, k, q);
+}
+
+}  // namespace verisq::verify::proposed
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr std::size_t kRows = 6;
+constexpr int kMostPivots = 64;
+/// Reduced costs and pivots that are smaller, in parts of the box, count as 0.
+constexpr double kNegligible = 1e-11;
+
+/// min Σ λ c + Σ half (u + v) where u - v - Σ λ a = objective, all >= 0, directions scaled so that half is 1. A slack
+/// of each row is the first basis.
+class Tableau {
+ public:
+  Tableau(const PoseParameters& objective, const PoseParameters& half, std::span<const LinearConstraint> constraints)
+      : count_(constraints.size()), columns_(2 * kRows + count_), cells_((kRows + 1) * columns_) {
+    for (std::size_t k = 0; k < kRows; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const double scaled = objective[row] * half[row];
+      const double sign = scaled < 0.0 ? -1.0 : 1.0;
+      right_[k] = sign * scaled;
+      at(k, 2 * k) = sign;
+      at(k, 2 * k + 1) = -sign;
+      basis_[k] = 2 * k + (sign < 0.0 ? 1 : 0);
+      for (std::size_t j = 0; j < count_; ++j) at(k, 2 * kRows + j) = -sign * constraints[j].slope[row] * half[row];
+    }
+    for (std::size_t column = 0; column < columns_; ++column) {
+      double cost = column < 2 * kRows ? 1.0 : constraints[column - 2 * kRows].constant;
+      for (std::size_t k = 0; k < kRows; ++k) cost -= at(k, column);  // every basic slack costs 1
+      at(kRows, column) = cost;
+    }
+  }
+
+  Multipliers solved() {
+    for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+      std::size_t entering = 0;
+      for (std::size_t column = 1; column < columns_; ++column)
+        if (at(kRows, column) < at(kRows, entering)) entering = column;
+      if (at(kRows, entering) > -kNegligible) break;
+      std::size_t leaving = kRows;
+      for (std::size_t k = 0; k < kRows; ++k) {
+        if (at(k, entering) <= kNegligible) continue;
+        if (leaving == kRows || right_[k] * at(leaving, entering) < right_[leaving] * at(k, entering)) leaving = k;
+      }
+      if (leaving == kRows) return ray(entering);
+      exchange(leaving, entering);
+    }
+    Multipliers result{std::vector<double>(count_, 0.0)};
+    for (std::size_t k = 0; k < kRows; ++k)
+      if (basis_[k] >= 2 * kRows) result.values[basis_[k] - 2 * kRows] = std::fmax(right_[k], 0.0);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] double& at(std::size_t row, std::size_t column) { return cells_[row * columns_ + column]; }
+
+  /// Along it the cost falls without end.
+  Multipliers ray(std::size_t entering) {
+    Multipliers result{std::vector<double>(count_, 0.0), true};
+    if (entering >= 2 * kRows) result.values[entering - 2 * kRows] = 1.0;
+    for (std::size_t k = 0; k < kRows; ++k)
+      if (basis_[k] >= 2 * kRows) result.values[basis_[k] - 2 * kRows] = std::fmax(-at(k, entering), 0.0);
+    return result;
+  }
+
+  void exchange(std::size_t leaving, std::size_t entering) {
+    const double pivot = at(leaving, entering);
+    for (std::size_t column = 0; column < columns_; ++column) at(leaving, column) /= pivot;
+    right_[leaving] /= pivot;
+    for (std::size_t k = 0; k <= kRows; ++k) {
+      const double factor = at(k, entering);
+      if (k == leaving || factor == 0.0) continue;
+      for (std::size_t column = 0; column < columns_; ++column) at(k, column) -= factor * at(leaving, column);
+      if (k < kRows) right_[k] -= factor * right_[leaving];
+    }
+    basis_[leaving] = entering;
+  }
+
+  std::size_t count_;
+  std::size_t columns_;
+  std::vector<double> cells_;  ///< of the rows, then reduced costs
+  std::array<double, kRows> right_{};
+  std::array<std::size_t, kRows> basis_{};
+};
+
+}  // namespace
+
+Multipliers multipliers(const PoseParameters& objective, const PoseParameters& half,
+                        std::span<const LinearConstraint> constraints) {
+  return Tableau(objective, half, constraints).solved();
 }
 
 }  // namespace verisq::verify

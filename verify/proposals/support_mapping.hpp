@@ -1,13 +1,101 @@
-/// Support mappings of convex sets in plain floating point: what GJK sees of a set.
+/// Where a solid's surface is, and its point farthest in a direction, in floating point.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
-#include "verify/proposals/triangle.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// The point of a triangle closest to the origin, in plain floating point: proposes where a face comes closest.
+
+template <class Float>
+using Coordinates = std::array<Float, 3>;
+
+template <class Float>
+[[nodiscard]] Coordinates<Float> difference(const Coordinates<Float>& a, const Coordinates<Float>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+template <class Float>
+[[nodiscard]] Coordinates<Float> along(const Coordinates<Float>& a, const Coordinates<Float>& step, Float s) {
+  return {a[0] + s * step[0], a[1] + s * step[1], a[2] + s * step[2]};
+}
+
+template <class Float>
+[[nodiscard]] Float dot(const Coordinates<Float>& a, const Coordinates<Float>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <class Float>
+[[nodiscard]] Coordinates<Float> cross(const Coordinates<Float>& a, const Coordinates<Float>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// Of the segment a b.
+template <class Float>
+[[nodiscard]] Coordinates<Float> closest_to_origin(const Coordinates<Float>& a, const Coordinates<Float>& b) {
+  const auto edge = difference(b, a);
+  const Float squared = dot(edge, edge);
+  return squared > 0 ? along(a, edge, std::clamp<Float>(-dot(a, edge) / squared, 0, 1)) : a;
+}
+
+/// Of the triangle a b c, which may be degenerate.
+template <class Float>
+[[nodiscard]] Coordinates<Float> closest_to_origin(const Coordinates<Float>& a, const Coordinates<Float>& b,
+                                                   const Coordinates<Float>& c) {
+  const auto u = difference(b, a);
+  const auto v = difference(c, a);
+  const Float uu = dot(u, u);
+  const Float uv = dot(u, v);
+  const Float vv = dot(v, v);
+  const Float determinant = uu * vv - uv * uv;
+  const Float s = uv * dot(a, v) - vv * dot(a, u);
+  const Float t = uv * dot(a, u) - uu * dot(a, v);
+  if (determinant > 0 && s >= 0 && t >= 0 && s + t <= determinant) {
+    return along(along(a, u, s / determinant), v, t / determinant);
+  }
+  return std::min({closest_to_origin(a, b), closest_to_origin(b, c), closest_to_origin(c, a)},
+                  [](const auto& x, const auto& y) { return dot(x, x) < dot(y, y); });
+}
+
+// The surface of a superquadric in plain floating point: where rays leave it and its normals. Proposes, proves
+// nothing.
+
+/// All points and directions lie in the octant of nonnegative coordinates, in the solid's own frame; of a tapered solid
+/// also below it, with z < 0. Float is double or long double.
+template <class Float>
+class Boundary {
+ public:
+  using Vector = std::array<Float, 3>;
+
+  explicit Boundary(const Superquadric& solid);
+
+  /// The gauge g of docs/mathematics.md §1 and §18.
+  [[nodiscard]] Float gauge(const Vector& x) const;
+
+  /// Unit outer normal of the level surface of g through x; at an edge or vertex one of the normals.
+  [[nodiscard]] Vector normal(const Vector& x) const;
+
+  /// The s >= 0 with g(q + s w) = level; zero when g(q) is not below it.
+  [[nodiscard]] Float exit(const Vector& q, const Vector& w, Float level = 1) const;
+
+ private:
+  [[nodiscard]] Vector gradient(const Vector& x) const;
+  [[nodiscard]] Float section(const Vector& x) const;
+  [[nodiscard]] Float norm(const Vector& x) const;
+
+  Vector semi_axes_;
+  Float p1_, p2_;
+  Float k_, fall_;  ///< of the taper: 0 and 1 without
+};
+
+extern template class Boundary<double>;
+extern template class Boundary<long double>;
+
+// Support mappings of convex sets in plain floating point: what GJK sees of a set.
 
 /// A single point.
 template <class Float>
@@ -97,5 +185,62 @@ template <class Float>
 [[nodiscard]] PosedSet<Float, SuperquadricSet<Float>> posed_set(const Primitive& primitive) {
   return {SuperquadricSet<Float>(primitive.superquadric), ApproximateMotion<Float>::of_own_frame(primitive)};
 }
+
+// Where a section of a primitive across its axis, bent or not, reaches farthest, in plain floating point. Proposes,
+// proves nothing (docs/mathematics.md §9).
+
+/// Everything in the primitive's own frame, with its centre as origin. Immutable.
+class SectionMapping {
+ public:
+  explicit SectionMapping(const Primitive& primitive);
+
+  /// What the bend makes of the axis at a height z: it turns by kz.
+  struct End {
+    double height;
+    double cosine, sine;  ///< of kz
+    double along, up;     ///< R and Z of the axis' point
+  };
+
+  /// Heights, before the bend, between which a section lies.
+  struct Section {
+    End lower, upper;
+  };
+
+  [[nodiscard]] Section section(double lower, double upper) const { return {end_at(lower), end_at(upper)}; }
+
+  /// The number v with which the chords of §9 give about the least bound of the section towards `direction`; it may
+  /// overflow. 0 without a bend.
+  [[nodiscard]] double slope(const Coordinates<double>& direction, const Section& section) const;
+
+  /// About a point of the section where direction·x is largest; without a bend of the whole primitive.
+  [[nodiscard]] Coordinates<double> support_point(const Coordinates<double>& direction, const Section& section) const;
+
+  /// About the point that the bend takes to x.
+  [[nodiscard]] Coordinates<double> unbent(const Coordinates<double>& x) const;
+
+  /// About the normal of the bent surface where the unbent one has that normal at that point.
+  [[nodiscard]] Coordinates<double> bent_normal(const Coordinates<double>& normal,
+                                                const Coordinates<double>& unbent_point) const;
+
+ private:
+  using Plain = Coordinates<double>;
+
+  [[nodiscard]] End end_at(double height) const;
+  [[nodiscard]] Plain turned(const Plain& v) const;
+  [[nodiscard]] Plain turned_back(const Plain& v) const;
+  [[nodiscard]] Plain bent(const Plain& unbent) const;
+  [[nodiscard]] Plain farthest(double c, double across, double slope) const;
+  [[nodiscard]] Plain farthest_at(double height, double c, double across) const;
+  [[nodiscard]] double scale_at(double height) const;
+  [[nodiscard]] double scale_slope_at(double height) const;
+
+  Superquadric superquadric_;
+  bool is_bent_;
+  double curvature_ = 0.0;
+  double cosine_ = 1.0, sine_ = 0.0;  ///< of the bend's direction
+  double taper_;                      ///< k of docs/mathematics.md §18
+  SuperquadricSet<double> unbent_;
+  SuperquadricSet<double> untapered_;
+};
 
 }  // namespace verisq::verify

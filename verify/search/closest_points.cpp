@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "verify/analysis/krawczyk.hpp"
-#include "verify/analysis/norm_expansion.hpp"
-#include "verify/search/enclosing_box.hpp"
+#include "verify/numbers/norms.hpp"
+#include "verify/search/krawczyk.hpp"
 #include "verify/search/pair_contact.hpp"
+#include "verify/search/set_tree.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

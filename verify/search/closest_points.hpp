@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 
-#include "verify/pairs/posed_pairs.hpp"
-#include "verisq/model_distance.hpp"
+#include "verify/proof/pair_checker.hpp"
+#include "verisq/distance.hpp"
 
 namespace verisq::verify {
 

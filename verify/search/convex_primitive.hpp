@@ -1,10 +1,51 @@
-/// One posed superquadric, ready for searches and their proofs.
+/// Distances of points to one convex primitive, outside and inside.
 #pragma once
+
+#include <array>
 
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/search/certified_distance.hpp"
+#include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// Signed distance of points outside one superquadric.
+
+/// For every point of the box q in the solid's frame, at most `tolerance` wide or to the rounding of the result. Valid
+/// for points inside too, where the lower end is that of the nearest plane along the ray from the centre, and the upper
+/// end is positive.
+[[nodiscard]] CertifiedDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                                  const PreciseVector& q, double tolerance);
+
+// Encloses the depth of a point by a polyhedron inscribed in the solid and refined where it comes closest.
+
+struct Depth {
+  double lower;                  ///< proven: the ball of this radius about q lies in the solid
+  double upper;                  ///< not proven: distance of q to the closest tangent plane found
+  std::array<double, 3> normal;  ///< of that plane, in the octant: the direction that certifies the other side
+};
+
+/// When to stop.
+struct DepthGoal {
+  double tolerance;  ///< for upper - lower
+  double known;      ///< a lower bound that the caller has proven
+  int budget;        ///< points of the surface to prove at most
+};
+
+/// Depth of q, the largest t with B(q, t) inside the solid. Preconditions: q >= 0 in the solid's own frame, but for z
+/// of a tapered one, g(q) <= 1 proven by the caller, largest semi-axis in [1, 2) and none below 1e-200. With `planar`,
+/// q[1] must be 0 and the solid one of revolution about z: the section y = 0 then decides.
+[[nodiscard]] Depth enclose_depth(const Superquadric& solid, const std::array<double, 3>& q, bool planar,
+                                  const DepthGoal& goal);
+
+// Signed distance of points inside one superquadric.
+
+/// For every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or about 1e-14 of
+/// the largest semi-axis where that is more, or the search's budget is spent. Precondition: g <= 1 proven on q.
+[[nodiscard]] CertifiedDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                                  const PreciseVector& q, double tolerance);
+
+// One posed superquadric, ready for searches and their proofs.
 
 class ConvexPrimitive {
  public:

@@ -1,23 +1,155 @@
-/// The public entry: pairs nearest by their spheres first, each proposed and proven; uncertain models by the models
-/// that bracket them.
-#include "verisq/model_distance.hpp"
+/// This file implements model_distance.hpp.
+#include "verify/search/model_distance.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <string>
 
-#include "verify/pairs/posed_pairs.hpp"
-#include "verify/proof/bracketed.hpp"
-#include "verify/proof/convex_union.hpp"
-#include "verify/proof/intersection.hpp"
-#include "verify/proof/uncertain_distance.hpp"
-#include "verify/search/candidates.hpp"
+#include "verify/numbers/points.hpp"
+#include "verify/proof/pair_checker.hpp"
+#include "verify/proof/uncertain_model.hpp"
+#include "verify/proof/verdict.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/closest_points.hpp"
-#include "verify/search/near_pairs.hpp"
 #include "verify/search/pair_contact.hpp"
-#include "verify/search/pair_memory.hpp"
+#include "verify/solids/model.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+struct Sphere {
+  Point centre;
+  double radius;
+  double size;   ///< of the numbers at hand
+  double width;  ///< of the enclosure of the centre: more than rounding where large numbers cancel in it
+};
+
+Sphere sphere_of(const PreciseVector& centre, const PreciseInterval& radius) {
+  Sphere sphere{{}, radius.upper().to_double(Direction::up), 0.0, 0.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PreciseInterval& c = centre[i];
+    sphere.centre[i] = c.upper().to_double(Direction::up);
+    sphere.size += std::fabs(sphere.centre[i]);
+    sphere.width += (PreciseInterval(c.upper()) - PreciseInterval(c.lower())).upper().to_double(Direction::up);
+  }
+  sphere.size += sphere.radius;
+  return sphere;
+}
+
+double between_centres(const Sphere& a, const Sphere& b) {
+  return length(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
+}
+
+/// Of lengths computed from two spheres. With u = 2^-53 and s the sum of both sizes: beyond the widths of the
+/// enclosures, centres and radii are rounded by 2 u s in all, differences by u s, the length of three of them by 8 u s
+/// (length.hpp), the sum with the radii by 2 u s, and this sum by less than what it adds: less than 2^5 u s. Subnormal
+/// numbers round by less than the last term.
+double rounding_error(const Sphere& a, const Sphere& b) {
+  return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
+}
+
+}  // namespace
+
+NearPairs near_pairs(const PosedPairs& pairs) {
+  std::vector<Sphere> of_a;
+  std::vector<Sphere> of_b;
+  for (std::size_t i = 0; i < pairs.size_a(); ++i)
+    of_a.push_back(sphere_of(pairs.motion_a(i).translation, pairs.radius_a(i)));
+  for (std::size_t j = 0; j < pairs.size_b(); ++j)
+    of_b.push_back(sphere_of(pairs.motion_b(j).translation, pairs.radius_b(j)));
+  double nearest_centres = infinity;
+  for (const Sphere& a : of_a) {
+    for (const Sphere& b : of_b)
+      nearest_centres = std::min(nearest_centres, between_centres(a, b) + rounding_error(a, b));
+  }
+  NearPairs result{{}, infinity};
+  for (std::uint32_t i = 0; i < of_a.size(); ++i) {
+    for (std::uint32_t j = 0; j < of_b.size(); ++j) {
+      const Sphere& a = of_a[i];
+      const Sphere& b = of_b[j];
+      const double lower = between_centres(a, b) - a.radius - b.radius - rounding_error(a, b);
+      // Also where overflow leaves no number.
+      if (!(lower > nearest_centres)) {
+        result.pairs.push_back({i, j});
+      } else {
+        result.others = std::min(result.others, lower);
+      }
+    }
+  }
+  return result;
+}
+
+namespace {
+
+double width_up(const PreciseInterval& x) {
+  return (PreciseInterval(x.upper()) - PreciseInterval(x.lower())).upper().to_double(Direction::up);
+}
+
+}  // namespace
+
+Placement placement_of(const PosedPairs& pairs, std::size_t j) {
+  const RigidMotion& motion = pairs.motion_b(j);
+  Placement placement{{}, {}, pairs.radius_b(j).upper().to_double(Direction::up), 0.0, 0.0};
+  placement.size = placement.radius;
+  for (std::size_t i = 0; i < 3; ++i) {
+    placement.centre[i] = motion.translation[i].upper().to_double(Direction::up);
+    placement.size += std::fabs(placement.centre[i]);
+    placement.width += width_up(motion.translation[i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PreciseInterval& entry = motion.rotation(static_cast<int>(i), static_cast<int>(k));
+      placement.rotation[3 * i + k] = entry.upper().to_double(Direction::up);
+      placement.width += placement.radius * width_up(entry);
+    }
+  }
+  return placement;
+}
+
+// A point of the primitive is c + R x, |x| <= r, and moves by at most |c' - c| + |R' - R| r, where the largest singular
+// value of R' - R is at most the root of the sum of its squared entries. With u = 2^-53, s = |c|_1 + r of either
+// placement and S the sum of both: beyond the widths, coordinates and entries are rounded to binary64 by 2 u of
+// themselves, of which entries are at most 1, so that c' - c is off by 3 u S and each of the nine entries of R' - R by
+// 6 u, their root by 18 u; length (length.hpp) adds 8 u S twice and more for the entries, whose three lengths have one
+// in turn: by 32 u in all. Times r these are less than 2^6 u S. The factor of the widths covers their own rounding.
+// Subnormal numbers round by less than the last term.
+double displacement_up(const Placement& from, const Placement& to) {
+  const Point& c = from.centre;
+  const Point& d = to.centre;
+  const auto row = [&](std::size_t i) {
+    const auto apart = [&](std::size_t k) { return to.rotation[3 * i + k] - from.rotation[3 * i + k]; };
+    return length(apart(0), apart(1), apart(2));
+  };
+  const double turned = length(row(0), row(1), row(2)) * std::max(from.radius, to.radius);
+  const double error = 0x1p-45 * (from.size + to.size) + 2.0 * (from.width + to.width) + 0x1p-1000;
+  return length(d[0] - c[0], d[1] - c[1], d[2] - c[2]) + turned + error;
+}
+
+void PairMemory::look_at(const PosedPairs& pairs) {
+  if (now_.size() != pairs.size_b() || known_.size() != pairs.size_a() * pairs.size_b()) {
+    now_.resize(pairs.size_b());
+    known_.assign(pairs.size_a() * pairs.size_b(), {});
+    nearest_.reset();
+  }
+  for (std::size_t j = 0; j < pairs.size_b(); ++j) now_[j] = placement_of(pairs, j);
+}
+
+double PairMemory::lower(PrimitivePair pair) const {
+  const Known& known = known_[place(pair)];
+  if (!(known.lower > 0.0)) return 0.0;
+  // Rounded down; NaN, where numbers overflow, says nothing.
+  const double left = std::nextafter(known.lower - displacement_up(known.at, now_[pair.b]), -infinity);
+  return left > 0.0 ? left : 0.0;
+}
+
+void PairMemory::keep(PrimitivePair pair, double lower) {
+  known_[place(pair)] = {lower, now_[pair.b]};
+}
+
+}  // namespace verisq::verify
 
 namespace verisq {
 
@@ -107,6 +239,31 @@ std::vector<Candidate> last_nearest_first(std::vector<Candidate> order, const Ne
   return order;
 }
 
+/// Solids are closed: models at distance 0 have a common point.
+Proximity proximity_of(const Enclosure& distance) {
+  if (distance.lo > 0.0) return Proximity::separated;
+  return distance.hi == 0.0 ? Proximity::overlapping : Proximity::undecided;
+}
+
+/// To multiples of a power of two: where solids touch at a point of few digits, rounding has hidden it.
+Point snapped(const Point& x, double unit) {
+  return {std::round(x[0] / unit) * unit, std::round(x[1] / unit) * unit, std::round(x[2] / unit) * unit};
+}
+
+/// A point of two solids that all but touch, if it is next to where they are closest.
+std::optional<Point> touching_point(const PosedPairs& pairs, std::span<const LookedAt> all) {
+  constexpr double nearly = 1e-9;  // of the size
+  for (const auto& [query, found, bound] : all) {
+    const double size = query.magnitude(found);
+    if (found.distance.lo > 0.0 || !(found.distance.hi <= nearly * size)) continue;
+    const Point x = rounded(midpoint(pairs.motion_a(found.separation.primitive_a)(precise(found.separation.on_a))));
+    if (pairs.share(x)) return x;
+    const Point plain = snapped(x, std::ldexp(1.0, std::ilogb(size) - 36));
+    if (pairs.share(plain)) return plain;
+  }
+  return std::nullopt;
+}
+
 /// As PairDistance says, of exact models. Which pairs are passed over changes nothing but the time: none of them is
 /// nearer than what is found.
 ModelDistance exact_distance(const PosedPairs& pairs, PairMemory& memory, const std::function<bool()>& interrupted) {
@@ -152,7 +309,10 @@ ModelDistance exact_distance(const PosedPairs& pairs, PairMemory& memory, const 
     distance.lo = std::min(distance.lo, found.distance.lo);
     distance.hi = std::min(distance.hi, found.distance.hi);
   }
-  proximity = distance.lo > 0.0 ? Proximity::separated : Proximity::undecided;
+  if (const auto common = distance.lo > 0.0 ? std::nullopt : touching_point(pairs, all)) {
+    return {{0.0, 0.0}, Proximity::overlapping, {.common = common}, true};
+  }
+  proximity = proximity_of(distance);
   return result;
 }
 
@@ -186,6 +346,7 @@ PairDistance::Memory::Memory(Memory&&) noexcept = default;
 PairDistance::Memory& PairDistance::Memory::operator=(Memory&&) noexcept = default;
 
 ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
+  require_valid(pose, "pose");
   const MemberBounds& bounds = state_->bounds;
   const Bracketed<PosedPrimitives>& a = state_->a;
   const Bracketed<PosedPrimitives>& b = state_->b;
@@ -199,15 +360,12 @@ ModelDistance PairDistance::operator()(const Pose& pose, const std::function<boo
   const ModelDistance smallest = a.largest || b.largest ? between_smallest() : largest;
   const Enclosure distance = between(bounds.unsigned_lower(largest.distance.lo), bounds.upper(smallest.distance.hi),
                                      [] { return "the distance of the uncertain models"; });
-  // Solids are closed: members at distance 0 have a common point.
-  const Proximity proximity = distance.lo > 0.0    ? Proximity::separated
-                              : distance.hi == 0.0 ? Proximity::overlapping
-                                                   : Proximity::undecided;
-  return {distance, proximity, {}, largest.complete && smallest.complete};
+  return {distance, proximity_of(distance), {}, largest.complete && smallest.complete};
 }
 
 ModelDistance PairDistance::operator()(const Pose& pose, Memory& memory,
                                        const std::function<bool()>& interrupted) const {
+  require_valid(pose, "pose");
   if (!state_->bounds.exact()) return (*this)(pose, interrupted);
   const PosedPairs pairs(state_->a.smallest, state_->b.smallest, pose);
   ModelDistance found = exact_distance(pairs, *memory.pairs_, interrupted);

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "verify/proof/pair_bounds.hpp"
+#include "verify/proof/pair_checker.hpp"
 
 namespace verisq::verify {
 

@@ -1,13 +1,130 @@
-/// Five log-sum-exp equations, solved with their derivatives at hand.
+/// This file implements pair_projection.hpp.
 #include "verify/search/pair_projection.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "verify/proposals/support_mapping.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
+
+namespace {
+
+constexpr int kMostEllipsoids =
+    600;                         // each shrinks the volume by exp(-1/8) at least: 1e-9 of the size in each direction
+constexpr int kExtraSteps = 40;  // after the first common point, for one that is not too close to a surface
+constexpr double kDeep = 0.95;   // a gauge that leaves room for every rounding
+
+/// g(x) and its gradient.
+struct Slope {
+  double gauge;
+  Eigen::Vector3d gradient;
+};
+
+class GaugeSlope {
+ public:
+  explicit GaugeSlope(const Superquadric& solid) : boundary_(solid), tapered_(is_tapered(solid)) {}
+
+  [[nodiscard]] Slope operator()(const Eigen::Vector3d& x) const {
+    const Boundary<double>::Vector octant{std::fabs(x[0]), std::fabs(x[1]), tapered_ ? x[2] : std::fabs(x[2])};
+    const double gauge = boundary_.gauge(octant);
+    if (!(gauge > 0.0)) return {gauge, Eigen::Vector3d::UnitX()};
+    const auto n = boundary_.normal(octant);
+    const Eigen::Vector3d normal(std::copysign(n[0], x[0]), std::copysign(n[1], x[1]),
+                                 tapered_ ? n[2] : std::copysign(n[2], x[2]));
+    // The gradient of a gauge has gradient·x = g(x).
+    return {gauge, normal * (gauge / normal.dot(x))};
+  }
+
+ private:
+  Boundary<double> boundary_;
+  bool tapered_;
+};
+
+/// An ellipsoid with axes along those of the frame.
+struct Ellipsoid {
+  Eigen::Vector3d centre;
+  Eigen::Vector3d squared_semi_axes;
+};
+
+/// Through the corners of a box that contains the solid: a taper makes no section larger than 1 + |k| times the middle
+/// one, and moves the middle to k a3 from the origin.
+Ellipsoid ellipsoid_about(const Superquadric& solid) {
+  const auto k = taper_coefficient<double>(solid.taper);
+  const auto& [x, y, z] = solid.semi_axes;
+  const double widest = 1.0 + std::fabs(k);
+  return {{0.0, 0.0, k * z}, {3.0 * std::pow(x * widest, 2), 3.0 * std::pow(y * widest, 2), 3.0 * std::pow(z, 2)}};
+}
+
+/// Of one solid, in the frame where it is placed.
+class PlacedSlope {
+ public:
+  explicit PlacedSlope(const PlacedSuperquadric& placed)
+      : slope_(placed.solid), rotation_(placed.rotation), offset_(placed.offset) {}
+
+  [[nodiscard]] Slope operator()(const Eigen::Vector3d& x) const {
+    Slope slope = slope_(rotation_.transpose() * (x - offset_));
+    slope.gradient = rotation_ * slope.gradient;
+    return slope;
+  }
+
+ private:
+  GaugeSlope slope_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d offset_;
+};
+
+/// The first of those with the largest gauge.
+Slope worst(const std::vector<PlacedSlope>& slopes, const Eigen::Vector3d& x) {
+  Slope worst = slopes[0](x);
+  for (std::size_t i = 1; i < slopes.size(); ++i) {
+    const Slope slope = slopes[i](x);
+    if (slope.gauge > worst.gauge) worst = slope;
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> common_point(std::span<const PlacedSuperquadric> solids) {
+  const std::vector<PlacedSlope> slopes(solids.begin(), solids.end());
+  const PlacedSuperquadric& first = solids[0];
+  const Ellipsoid about_first = ellipsoid_about(first.solid);
+  Eigen::Vector3d x = first.rotation * about_first.centre + first.offset;
+  Eigen::Matrix3d shape = first.rotation * about_first.squared_semi_axes.asDiagonal() * first.rotation.transpose();
+  std::optional<Eigen::Vector3d> best;
+  double least = 1.0;
+  for (int step = 0, extra = 0; step < kMostEllipsoids && extra < kExtraSteps; ++step) {
+    const Slope worse = worst(slopes, x);
+    if (worse.gauge < least) {
+      least = worse.gauge;
+      best = x;
+    }
+    if (worse.gauge <= kDeep) break;
+    if (best) ++extra;
+    const Eigen::Vector3d image = shape * worse.gradient;
+    const double reach = std::sqrt(worse.gradient.dot(image));
+    const double depth = (worse.gauge - least) / reach;
+    if (!(depth < 1.0) || !std::isfinite(depth)) break;
+    const Eigen::Vector3d axis = image / reach;
+    x -= (1.0 + 3.0 * depth) / 4.0 * axis;
+    shape = 9.0 / 8.0 * (1.0 - depth * depth) *
+            (shape - (1.0 + 3.0 * depth) / (2.0 * (1.0 + depth)) * axis * axis.transpose());
+  }
+  return best;
+}
+
+std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superquadric& b,
+                                            const Eigen::Matrix3d& rotation, const Eigen::Vector3d& offset) {
+  return common_point(std::array<PlacedSuperquadric, 2>{
+      {{a, Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()}, {b, rotation, offset}}});
+}
 
 namespace {
 
@@ -28,7 +145,7 @@ constexpr double kSmallestCoordinate = 1e-150;
 constexpr double kLargestStep = 8.0;
 /// The next error is about the square of the last step.
 constexpr double kConvergedStep = 1e-8;
-constexpr int kMostSteps = 32;
+constexpr int kMostNewtonSteps = 32;
 
 /// log(e^a + e^b) and the share of e^b in the sum.
 struct LogSum {
@@ -179,7 +296,7 @@ DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarit
   Equations e;
   Step step;
   bool converged = false;
-  for (int i = 0; i < kMostSteps && !converged; ++i) {
+  for (int i = 0; i < kMostNewtonSteps && !converged; ++i) {
     e = equations_at(u);
     step = solve(e, e.values - log_q, e.section_residual, e.surface_residual);
     const double of_both = std::max(std::fabs(step.unknowns.r), std::fabs(step.unknowns.lambda));
@@ -204,6 +321,118 @@ DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarit
       result.hessian(i, j) = std::signbit(q[i]) == std::signbit(q[j]) ? column[i] : -column[i];
   }
   return result;
+}
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kMostRounds = 64;
+/// Converged when the vectors cancel but for this part of their length.
+constexpr double kCancelled = 1e-11;
+/// How deep every other step aims inside the solids, as a part of the distance: it does not stop at a surface.
+constexpr double kOvershoot = 0.25;
+/// Values closer than this differ by rounding errors.
+constexpr double kSameValue = 1e-13;
+constexpr double kSmallestBlend = 1e-13;
+/// The squared step, as a part of the value, up to which linear extrapolation helps.
+constexpr double kShortStep = 1e-4;
+
+/// Gradient and Hessian of half the square of (distance + depth) instead of the distance: the minima are the same.
+struct NewtonTerms {
+  Vector3d gradient;
+  Matrix3d hessian;
+};
+
+NewtonTerms aimed_inside(const DistanceExpansion& at, double depth) {
+  if (at.inside) return {Vector3d::Zero(), Matrix3d::Zero()};
+  const double squared = 2.0 * at.value;
+  const double part = squared > 0.0 ? depth / std::sqrt(squared) : 0.0;
+  const Vector3d& v = at.gradient;
+  const Matrix3d along = squared > 0.0 ? Matrix3d(v * v.transpose() / squared) : Matrix3d(Matrix3d::Zero());
+  return {(1.0 + part) * v, (1.0 + part) * at.hessian - part * along};
+}
+
+class MidpointSearch {
+ public:
+  MidpointSearch(const Superquadric& a, const Superquadric& b, const Matrix3d& rotation, const Vector3d& offset)
+      : a_(a), b_(b), rotation_(rotation), offset_(offset) {}
+
+  [[nodiscard]] std::optional<MidpointContact> operator()(const Vector3d& start) const {
+    Probe best = complete(start, a_(start), b_(in_b(start)));
+    double blend = kSmallestBlend;
+    for (int round = 0; round < kMostRounds; ++round) {
+      if (best.a.inside && best.b.inside) return std::nullopt;
+      if (imbalance(best) <= kCancelled * std::sqrt(best.value())) return contact(best);
+      const bool aimed = round % 2 == 1;  // far from the minimum such a step may gain nothing
+      const double distance = std::sqrt(2.0 * best.a.value) + std::sqrt(2.0 * best.b.value);
+      const Vector3d m = best.point - step(best, aimed ? kOvershoot * distance : 0.0, blend);
+      if (!m.allFinite()) return std::nullopt;
+      const Probe next = complete(m, a_(m, best.a.closest), b_(in_b(m), best.b.closest));
+      if (better(next, best)) {
+        best = next;
+        blend = std::max(0.1 * blend, kSmallestBlend);
+      } else if (!aimed) {
+        blend = std::min(std::max(4.0 * blend, 0.05), 1.0);
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// What both solids say about one point, in A's frame.
+  struct Probe {
+    Vector3d point;
+    DistanceExpansion a, b;
+
+    [[nodiscard]] double value() const { return a.value + b.value; }
+  };
+
+  [[nodiscard]] Vector3d in_b(const Vector3d& x) const { return rotation_.transpose() * (x - offset_); }
+
+  [[nodiscard]] Probe complete(const Vector3d& point, const DistanceExpansion& a, DistanceExpansion b) const {
+    b.gradient = rotation_ * b.gradient;
+    b.hessian = rotation_ * b.hessian * rotation_.transpose();
+    return {point, a, b};
+  }
+
+  [[nodiscard]] static double imbalance(const Probe& p) { return (p.a.gradient + p.b.gradient).norm(); }
+
+  [[nodiscard]] static bool better(const Probe& next, const Probe& best) {
+    return next.value() < best.value() ||
+           (next.value() <= best.value() * (1.0 + kSameValue) && imbalance(next) < imbalance(best));
+  }
+
+  /// The Hessian blended by `blend` towards the bound 2 of that of the sum.
+  [[nodiscard]] static Vector3d step(const Probe& at, double depth, double blend) {
+    const NewtonTerms a = aimed_inside(at.a, depth);
+    const NewtonTerms b = aimed_inside(at.b, depth);
+    const Matrix3d hessian = (1.0 - blend) * (a.hessian + b.hessian) + 2.0 * blend * Matrix3d::Identity();
+    return hessian.inverse() * (a.gradient + b.gradient);
+  }
+
+  /// The vector is extrapolated by the step that is left: each solid's own vector then stays one of its normals, which
+  /// matters where it is nearly flat.
+  [[nodiscard]] MidpointContact contact(const Probe& p) const {
+    const Vector3d left = step(p, 0.0, kSmallestBlend);
+    const bool usable = left.allFinite() && left.squaredNorm() <= kShortStep * p.value();
+    const Vector3d plain = p.a.gradient - p.b.gradient;
+    const Vector3d vector = usable ? Vector3d(plain - (p.a.hessian - p.b.hessian) * left) : plain;
+    return {vector, p.point - p.a.gradient, in_b(p.point - p.b.gradient)};
+  }
+
+  PairProjection a_;
+  PairProjection b_;
+  Matrix3d rotation_;
+  Vector3d offset_;
+};
+
+}  // namespace
+
+std::optional<MidpointContact> midpoint_contact(const Superquadric& a, const Superquadric& b, const Matrix3d& rotation,
+                                                const Vector3d& offset, const Vector3d& start) {
+  return MidpointSearch(a, b, rotation, offset)(start);
 }
 
 }  // namespace verisq::verify

@@ -1,11 +1,35 @@
-/// Half the squared distance of a point to a superquadric in plain binary64, as a function to minimise.
+/// Points that two convex solids share, and projections between them.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <span>
 
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// Looks for a point that overlapping superquadrics share.
+
+/// Somewhere in a frame: `rotation` and `offset` lead there from the solid's own frame, whose origin is its focus
+/// (docs/mathematics.md §18).
+struct PlacedSuperquadric {
+  Superquadric solid;
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d offset;
+};
+
+/// A point with all gauges below 1, in plain floating point: it proposes and proves nothing. By the ellipsoid method,
+/// which needs neither a start nor a well-shaped intersection; nothing where the interiors do not meet, or in less than
+/// about 1e-9 of the first one's size. Precondition: at least one.
+[[nodiscard]] std::optional<Eigen::Vector3d> common_point(std::span<const PlacedSuperquadric> solids);
+
+/// The same of two, in A's frame; `rotation` and `offset` lead there from B's.
+[[nodiscard]] std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superquadric& b,
+                                                          const Eigen::Matrix3d& rotation,
+                                                          const Eigen::Vector3d& offset);
+
+// Half the squared distance of a point to a superquadric in plain binary64, as a function to minimise.
 
 /// Logarithms of |coordinates| in units of the semi-axes, of the radius r of their section and of the multiplier λ.
 struct LogUnknowns {
@@ -55,5 +79,22 @@ class PairProjection {
   double p1_, p2_;
   Eigen::Array3d p_;  ///< p2, p2, p1
 };
+
+// The closest points of two superquadrics by way of the midpoint between them, in plain binary64.
+
+/// All in A's own frame but `on_b`, which is in B's.
+struct MidpointContact {
+  Eigen::Vector3d vector;  ///< from A to B, normal to both
+  Eigen::Vector3d on_a;
+  Eigen::Vector3d on_b;
+};
+
+/// Newton's method on half the squared distance to A plus half that to B, which is convex: at its minimum the vectors
+/// from both solids cancel. Nothing where it does not converge, as where the solids overlap. `rotation` and `offset`
+/// lead from B's frame to A's.
+[[nodiscard]] std::optional<MidpointContact> midpoint_contact(const Superquadric& a, const Superquadric& b,
+                                                              const Eigen::Matrix3d& rotation,
+                                                              const Eigen::Vector3d& offset,
+                                                              const Eigen::Vector3d& start);
 
 }  // namespace verisq::verify

@@ -1,6 +1,4 @@
 /// The cells of a bisection as a tree, their postures a little wider than found.
-#include "verisq/certified_equilibrium.hpp"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -10,10 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "verify/equilibrium/equilibrium_on_box.hpp"
-#include "verify/stance/equilibrium_cell.hpp"
-#include "verify/stance/parameters.hpp"
-#include "verify/stance/standing_problem.hpp"
+#include "verify/proof/equilibrium_checker.hpp"
+#include "verify/stance/equilibrium_location.hpp"
+#include "verify/stance/standing.hpp"
+#include "verify/stance/tree.hpp"
+#include "verisq/stance_equilibrium.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -164,7 +163,7 @@ struct CertifiedCell {
 };
 
 /// The parts that make these cells of a box: those that are missing are silent.
-class Tree {
+class PartTree {
  public:
   void grow(const Ranges& box, std::vector<const CertifiedCell*> cells) {
     if (cells.size() == 1 && *cells.front()->ranges == box) {
@@ -222,7 +221,7 @@ CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet unce
   std::vector<const CertifiedCell*> all;
   all.reserve(cells.size());
   for (const CertifiedCell& cell : cells) all.push_back(&cell);
-  Tree tree;
+  PartTree tree;
   tree.grow(claims.ranges, std::move(all));
   result.certificate = {found.reference, std::move(tree.parts)};
   const ProvenEquilibrium proven = prove(model, claims, result.certificate, options);

@@ -1,15 +1,107 @@
-/// Approximate motions and their derivatives by parameters, as polynomials step by step: collocation at Radau's points
-/// (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5). Nothing here has to be right: what it leaves
-/// is enclosed afterwards.
+/// Collocation of a motion, and its derivatives.
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
-#include "verify/stance/partial_derivatives.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq::stance {
+
+// Which branches of piecewise equations hold: what is settled of a set of points, or chosen for an approximation.
+
+/// Of a switch at 0; what is open is decided, or the hull taken, where it is evaluated.
+enum class Side : std::uint8_t { open, below, above };
+
+/// Slips: towards x or against it.
+enum class FrictionBranch : std::uint8_t { open, sticks, slips_forward, slips_backward };
+
+/// Of one contact.
+struct ContactBranches {
+  Side penetration = Side::open;  ///< above 0, the cylinder touches
+  Side damping = Side::open;      ///< of 1 + D delta'/v_N: below 0, the ground cannot follow and does not push
+  FrictionBranch friction = FrictionBranch::open;
+
+  [[nodiscard]] bool in_flight() const { return penetration == Side::below || damping == Side::below; }
+  [[nodiscard]] bool is_settled() const {
+    return in_flight() || (penetration == Side::above && damping == Side::above && friction != FrictionBranch::open);
+  }
+  friend bool operator==(const ContactBranches&, const ContactBranches&) = default;
+};
+
+struct MotionRegime {
+  double within;                               ///< a time between the same breaks
+  std::vector<ContactBranches> contacts = {};  ///< of each contact; empty: all open
+
+  [[nodiscard]] bool is_settled() const {
+    return std::all_of(contacts.begin(), contacts.end(), [](const ContactBranches& c) { return c.is_settled(); });
+  }
+};
+
+// All partial derivatives of a system of equations of motion, a few at a time.
+
+/// M(state) a + ... = 0 for the rates a of the first `implicit()` components of the state, explicit rates of the
+/// others:
+///   std::size_t size() const, implicit() const, deviations() const;
+///   template <class T> auto evaluate(std::span<const T> state, std::span<const T> a, const T& time,
+///                                    const MotionRegime& regime, std::span<const T> deviations) const;  // .residual,
+///                                    .rates
+/// `residual` is affine in a, and all is Lipschitz continuous wherever it is evaluated.
+
+/// A point, or a set of points, at which to evaluate it.
+template <class T>
+struct MotionPoint {
+  std::vector<T> state, acceleration;
+  T time;
+  MotionRegime regime;
+  std::vector<T> deviations;
+};
+
+/// Columns of derivatives: of the residual, then of the explicit rates.
+template <class T>
+using Columns = std::vector<std::vector<T>>;
+
+/// By the variables `first` to before `last` of state, acceleration and deviations in this order.
+template <class T, class System>
+[[nodiscard]] Columns<T> partial_derivatives(const System& system, const MotionPoint<T>& at, std::size_t first,
+                                             std::size_t last) {
+  constexpr std::size_t at_once = 10;
+  using Variable = Dual<T, at_once>;
+  Columns<T> columns;
+  for (std::size_t begin = first; begin < last; begin += at_once) {
+    const std::size_t count = std::min(at_once, last - begin);
+    std::size_t index = 0;
+    const auto variables = [&](const std::vector<T>& values) {
+      std::vector<Variable> result(values.begin(), values.end());
+      for (Variable& variable : result) {
+        if (index >= begin && index < begin + count) variable.partial[index - begin] = T(1);
+        ++index;
+      }
+      return result;
+    };
+    const std::vector<Variable> state = variables(at.state);
+    const std::vector<Variable> acceleration = variables(at.acceleration);
+    const std::vector<Variable> deviations = variables(at.deviations);
+    const auto terms =
+        system.template evaluate<Variable>(state, acceleration, Variable(at.time), at.regime, deviations);
+    for (std::size_t k = 0; k < count; ++k) {
+      std::vector<T> column;
+      for (const Variable& value : terms.residual) column.push_back(value.partial[k]);
+      for (const Variable& value : terms.rates) column.push_back(value.partial[k]);
+      columns.push_back(std::move(column));
+    }
+  }
+  return columns;
+}
+
+// Approximate motions and their derivatives by parameters, as polynomials step by step: collocation at Radau's points
+// (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5). Nothing here has to be right: what it leaves
+// is enclosed afterwards.
 
 /// The state, over one step, as a function of t in [-1, 1] and the deviations d in [-1, 1] of the parameters:
 /// sum of state.col(i) t^i, with by_deviation[k] times d_k and by_pair times d_k d_l likewise. Its numbers are exact.

@@ -7,12 +7,11 @@
 #include <vector>
 #include <verisq/stance_motion.hpp>
 
-#include "verify/stance/contact.hpp"
-#include "verify/stance/friction.hpp"
-#include "verify/stance/motion_regime.hpp"
-#include "verify/stance/parameters.hpp"
+#include "verify/stance/collocation.hpp"
 #include "verify/stance/sagittal_model.hpp"
+#include "verify/stance/standing.hpp"
 #include "verify/stance/taylor_model.hpp"
+#include "verify/stance/tree.hpp"
 
 namespace verisq::stance {
 
@@ -158,6 +157,16 @@ class ControlledMotion {
   [[nodiscard]] std::vector<motion_details::PlanarMotion<T>> motions(std::span<const T> state,
                                                                      std::span<const T> acceleration,
                                                                      std::span<const T> parameters) const;
+
+  /// The load that each body needs to move so, at its origin.
+  template <class T>
+  [[nodiscard]] std::vector<motion_details::PlanarLoad<T>> inertial_loads(
+      std::span<const motion_details::PlanarMotion<T>> motion, std::span<const T> parameters) const;
+
+  /// The controllers' torques to the residual, and the rates of positions and of integrals.
+  template <class T>
+  void add_controllers(std::span<const T> state, MotionTerms<T>& terms) const;
+
   template <class T>
   [[nodiscard]] motion_details::PlanarVector<T> applied_force(const T& time, double within,
                                                               std::span<const T> parameters) const;
@@ -279,6 +288,42 @@ motion_details::PlanarVector<T> ControlledMotion::applied_force(const T& time, d
 }
 
 template <class T>
+std::vector<motion_details::PlanarLoad<T>> ControlledMotion::inertial_loads(
+    std::span<const motion_details::PlanarMotion<T>> motion, std::span<const T> parameters) const {
+  using namespace motion_details;
+  std::vector<PlanarLoad<T>> loads;
+  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    const Body& body = model_.model.bodies[model_.bodies[i].body];
+    const PlanarMotion<T>& m = motion[i];
+    const T mass = value_of<T>(body.mass, parameters);
+    const PlanarVector<T> centre = planar<T>(body.centre_of_mass, parameters);
+    const PlanarVector<T> first_moment = m.turned(mass * centre);
+    const T inertia = value_of<T>(body.inertia[2], parameters) + mass * (square(centre.x) + square(centre.y));
+    const T copies(model_.bodies[i].copies);
+    loads.push_back({copies * (mass * m.acceleration + m.angular_acceleration * crossed(first_moment) -
+                               square(m.angular_velocity) * first_moment),
+                     copies * (inertia * m.angular_acceleration + moment(first_moment, m.acceleration))});
+  }
+  return loads;
+}
+
+template <class T>
+void ControlledMotion::add_controllers(std::span<const T> state, MotionTerms<T>& terms) const {
+  for (std::size_t j = 0; j < joints(); ++j) {
+    const SagittalJoint& joint = model_.joints[j];
+    const T error = state[position(j)] - T(joint.wanted);
+    if (joint.proportional != 0.0) terms.residual[j] += T(joint.proportional) * error;
+    if (joint.derivative != 0.0) terms.residual[j] += T(joint.derivative) * state[j];
+    terms.rates.push_back(state[j]);
+  }
+  for (std::size_t i = 0; i < integrals_.size(); ++i) {
+    const SagittalJoint& joint = model_.joints[integrals_[i]];
+    terms.residual[integrals_[i]] += T(joint.integral) * state[integral(i)];
+    terms.rates.push_back(state[position(integrals_[i])] - T(joint.wanted));
+  }
+}
+
+template <class T>
 MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<const T> acceleration, const T& time,
                                           const MotionRegime& regime, std::span<const T> deviations) const {
   using namespace motion_details;
@@ -290,19 +335,7 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
   terms.residual.assign(joints(), T(0));
 
   // What the bodies need to move so, less what acts on them, at their origins.
-  std::vector<PlanarLoad<T>> loads;
-  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
-    const Body& body = model.bodies[model_.bodies[i].body];
-    const PlanarMotion<T>& m = motion[i];
-    const T mass = value_of<T>(body.mass, p);
-    const PlanarVector<T> centre = planar<T>(body.centre_of_mass, p);
-    const PlanarVector<T> first_moment = m.turned(mass * centre);
-    const T inertia = value_of<T>(body.inertia[2], p) + mass * (square(centre.x) + square(centre.y));
-    const T copies(model_.bodies[i].copies);
-    loads.push_back({copies * (mass * m.acceleration + m.angular_acceleration * crossed(first_moment) -
-                               square(m.angular_velocity) * first_moment),
-                     copies * (inertia * m.angular_acceleration + moment(first_moment, m.acceleration))});
-  }
+  std::vector<PlanarLoad<T>> loads = inertial_loads<T>(motion, p);
   for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
     const std::size_t i = model_.contacts[c].body;
     const ContactCylinder& cylinder = model.cylinders[model_.contacts[c].cylinder];
@@ -335,19 +368,7 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
   }
   terms.residual[0] = loads[0].force.x;
   terms.residual[1] = loads[0].force.y;
-
-  for (std::size_t j = 0; j < joints(); ++j) {
-    const SagittalJoint& joint = model_.joints[j];
-    const T error = state[position(j)] - T(joint.wanted);
-    if (joint.proportional != 0.0) terms.residual[j] += T(joint.proportional) * error;
-    if (joint.derivative != 0.0) terms.residual[j] += T(joint.derivative) * state[j];
-    terms.rates.push_back(state[j]);
-  }
-  for (std::size_t i = 0; i < integrals_.size(); ++i) {
-    const SagittalJoint& joint = model_.joints[integrals_[i]];
-    terms.residual[integrals_[i]] += T(joint.integral) * state[integral(i)];
-    terms.rates.push_back(state[position(integrals_[i])] - T(joint.wanted));
-  }
+  add_controllers(state, terms);
   for (const ContactForce<T>& contact : terms.contacts) terms.rates.push_back(contact.bristle_rate);
   return terms;
 }

@@ -6,8 +6,7 @@
 #include <stdexcept>
 
 #include "verify/stance/collocation.hpp"
-#include "verify/stance/comparison_system.hpp"
-#include "verify/stance/modal_basis.hpp"
+#include "verify/stance/linear_systems.hpp"
 #include "verify/stance/taylor_model.hpp"
 
 namespace verisq::stance {

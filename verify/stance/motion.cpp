@@ -1,15 +1,16 @@
-/// The motion from the equilibrium on: approximate steps, each of which is then enclosed.
+/// The motion of a body, free or held by controllers.
+#include "verify/stance/motion.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <verisq/error.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_motion.hpp>
 
 #include "verify/stance/controlled_motion.hpp"
-#include "verify/stance/second_order.hpp"
-#include "verify/stance/switch_location.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -89,7 +90,11 @@ class Simulation {
   }
 
   [[nodiscard]] Motion run() {
-    begin();
+    try {
+      begin();
+    } catch (const std::domain_error&) {
+      result_.open = "at its beginning the derivatives have no bound over these ranges";
+    }
     while (result_.reached < options_.duration && result_.open.empty() && !result_.interrupted) {
       advance();
       if (options_.progress) options_.progress(result_.reached / options_.duration);
@@ -112,15 +117,15 @@ class Simulation {
       at_.state[i] = 0.5 * x.lower() + 0.5 * x.upper();
       error[i] = x - Interval(at_.state[i]);
     }
-    const ModalBasis basis =
-        modal_basis(approximate_derivatives(system_, at_.state, 0.0, regime_at(system_, at_.state, 0.0, 0.0)).by_state,
-                    system_.tether());
-    bound_ = {basis, lengths_of(basis, error)};
     for (std::size_t j = 0; j < system_.joints(); ++j) {
       const Interval& position = start[system_.position(j)];
       result_.positions.push_back({position.lower(), position.upper()});
       result_.velocities.push_back({0.0, 0.0});
     }
+    const ModalBasis basis =
+        modal_basis(approximate_derivatives(system_, at_.state, 0.0, regime_at(system_, at_.state, 0.0, 0.0)).by_state,
+                    system_.tether());
+    bound_ = {basis, lengths_of(basis, error)};
   }
 
   /// One step, or a shorter length to try, or the end.
@@ -360,6 +365,58 @@ class Simulation {
 
 Motion simulate(const Model& model, UncertainSet uncertain, const MotionOptions& options) {
   return Simulation(model, uncertain, options).run();
+}
+
+namespace motion_details {
+
+AffineDamping::AffineDamping(const Interval& restitution)
+    : middle(0.5 * restitution.lower() + 0.5 * restitution.upper()),
+      at_middle(damping_factor(Interval(middle))),
+      slope(damping_slope(Interval(middle), at_middle)),
+      rest(0) {
+  if (restitution.lower() == restitution.upper()) return;
+  const Interval change = restitution - Interval(middle);
+  rest = (damping_slopes(restitution) - slope) * change;
+}
+
+}  // namespace motion_details
+
+ControlledMotion::ControlledMotion(const SagittalModel& model, std::vector<Interval> box, std::optional<Push> push)
+    : model_(model), push_(push) {
+  for (std::uint32_t i = 0; i < box.size(); ++i) {
+    const double centre = 0.5 * box[i].lower() + 0.5 * box[i].upper();
+    centre_.push_back(centre);
+    if (box[i].lower() == box[i].upper()) continue;
+    uncertain_.push_back(i);
+    radius_.push_back(std::max((Interval(centre) - Interval(box[i].lower())).upper(),
+                               (Interval(box[i].upper()) - Interval(centre)).upper()));
+  }
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (model.joints[j].integral != 0.0) integrals_.push_back(j);
+  }
+  for (const SagittalContact& contact : model.contacts) {
+    const Quantity& restitution = model.model.cylinders[contact.cylinder].normal_restitution;
+    damping_.emplace_back(value_of<Interval>(restitution, box));
+  }
+}
+
+Eigen::MatrixXd ControlledMotion::tether() const {
+  constexpr double frequency = 10.0;  // 1/s
+  constexpr std::size_t of_root = 3;
+  const auto n = static_cast<Eigen::Index>(size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t j = 0; j < of_root; ++j) {
+    const double distinct = frequency * (1.0 + 0.1 * static_cast<double>(j));  // equal ones would nearly coincide again
+    const auto velocity = static_cast<Eigen::Index>(j);
+    result(velocity, static_cast<Eigen::Index>(position(j))) = -distinct * distinct;
+    result(velocity, velocity) = -distinct;
+  }
+  return result;
+}
+
+std::vector<double> ControlledMotion::breaks() const {
+  if (!push_) return {};
+  return {push_->start, push_->start + push_->duration};
 }
 
 }  // namespace verisq::stance

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "verify/stance/acceleration_equations.hpp"
-#include "verify/stance/linear_system.hpp"
+#include "verify/stance/acceleration.hpp"
+#include "verify/stance/linear_systems.hpp"
 
 namespace verisq::stance {
 namespace {

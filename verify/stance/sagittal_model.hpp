@@ -1,11 +1,11 @@
-/// A stance model that moves in its sagittal plane alone: both legs alike, one planar body for each pair of bodies.
+/// The sagittal model of a body.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
-#include <verisq/stance_analysis.hpp>
+#include <verisq/stance.hpp>
 
 namespace verisq::stance {
 

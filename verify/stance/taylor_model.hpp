@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "verify/analysis/exponential.hpp"
-#include "verify/stance/dual.hpp"
+#include "verify/numbers/functions.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq::stance {
 

@@ -1,0 +1,205 @@
+/// Points in, rows out, a chunk at a time, by one device or several; and the kernels that make rows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/map.hpp>
+#include <verisq/model.hpp>
+
+#include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/host_memory.hpp"
+#include "host/device/program.hpp"
+#include "host/device/query_batches.hpp"
+
+namespace verisq::device {
+
+// Kernels that turn a chunk's points into rows: at once, or step by step.
+
+// What a device sums up of rows: the books of a summary.
+
+/// As kernels/row_verdict.clh declares it. Rows that are open are in no other sum; `open_inside` are those of
+/// them that are not proven outside.
+struct RowSums {
+  double minimum_lo, minimum_hi, largest_width;
+  std::uint32_t verified, wide, wide_inside, open, open_inside;
+};
+static_assert(sizeof(RowSums) == 48);
+
+/// What is asked of a row, in model units: at most `tolerance` wide, or with a tolerance of 0 as tight as the methods
+/// get, which is `inside` where its lower end is below 0, else `outside` times the larger of `radius` and the point's
+/// largest coordinate. As tight as that, but wider than the tolerance: wide for good. All others are open.
+struct RowCriterion {
+  double tolerance, inside, outside, radius;
+};
+
+// What every kernel that turns a chunk's points into rows is told and tells.
+
+/// Of one work-group, which a look at open rows costs the host at most.
+inline constexpr std::size_t rows_of_block = 1024;
+
+[[nodiscard]] constexpr std::size_t blocks_of(std::size_t size) {
+  return (size + rows_of_block - 1) / rows_of_block;
+}
+
+/// How such kernels divide a chunk among work-items: a vector's device takes a block by one of them, a graphics
+/// processor by a group of neighbours.
+struct RowGroups {
+  explicit RowGroups(const Device& device)
+      : width(static_cast<std::size_t>(device.vector_width)), group_size(width > 1 ? 1 : scalar_group_size) {}
+
+  static constexpr std::size_t scalar_group_size = 64;
+
+  std::size_t width;       ///< points of a vector
+  std::size_t group_size;  ///< work-items that share a block
+
+  [[nodiscard]] std::size_t vectors_of_item() const { return rows_of_block / width / group_size; }
+  [[nodiscard]] std::size_t vectors_of(std::size_t size) const { return (size + width - 1) / width; }
+};
+
+/// Sums of a chunk's blocks, and whether a coordinate was refused: in the device's memory and in the host's.
+class RowTotals {
+ public:
+  RowTotals(const Device& device, ChunkQueue& queue, std::size_t capacity);
+
+  void bind(NamedKernel& rows, const RowGroups& groups) const;
+  void bind_refusal(NamedKernel& kernel) const { kernel.set("refused", refused_); }
+  /// After the kernels; this must stay until the queue has finished.
+  void fetch(ChunkQueue& queue, std::size_t size);
+  /// Precondition: fetched, and the queue has finished.
+  [[nodiscard]] const std::vector<RowSums>& of_blocks() const { return of_blocks_; }
+  [[nodiscard]] bool refused() const { return is_refused_ != 0; }
+  /// So that the next chunk can be told of. Precondition: the queue has finished.
+  void forget_refusal(ChunkQueue& queue);
+
+ private:
+  // Kernels do not keep the buffers that they are given.
+  cl::Buffer refused_;
+  cl::Buffer sums_;
+  std::vector<RowSums> of_blocks_;
+  cl_uint is_refused_ = 0;
+};
+
+void bind_points(NamedKernel& kernel, const BoundChunk& chunk);
+void bind_rows(NamedKernel& kernel, const BoundChunk& chunk);
+void bind_criterion(NamedKernel& kernel, const Scale& scale, const RowCriterion& criterion);
+
+// Rows of a chunk by one kernel, with nothing in between: of a single convex primitive, without depths.
+
+/// Compiles kernels/point_map.cl. Precondition: `model` has one primitive. Throws RefusedDevice where it errs on
+/// samples.
+[[nodiscard]] cl::Program point_map_program(const Device& device, const DeviceModel& model);
+
+/// The kernel point_map.
+class RowsAtOnce {
+ public:
+  /// `program` is `point_map_program`. `totals` must outlive this.
+  RowsAtOnce(const Device& device, const cl::Program& program, const DeviceModel& model, const RowCriterion& criterion,
+             const RowTotals& totals);
+
+  /// The rows of RowsInSteps without depths, bit for bit. Precondition: `size` points, as many as the chunk that is
+  /// bound.
+  void enqueue(ChunkQueue& queue, const BoundChunk& chunk, std::size_t size);
+
+ private:
+  RowGroups groups_;
+  cl::Buffer primitives_;  // kernels do not keep the buffers that they are given
+  NamedKernel point_map_;
+};
+
+// Rows of a chunk kernel by kernel, with columns in between: of any union of convex primitives, with depths.
+
+/// The kernels point_columns, those of PointKernels, and point_rows.
+class RowsInSteps {
+ public:
+  /// `programs` are `point_programs`. `totals` must outlive this.
+  RowsInSteps(const Device& device, const PointPrograms& programs, const DeviceModel& model, ChunkQueue& queue,
+              const RowCriterion& criterion, const RowTotals& totals);
+
+  /// `searched`: depths, too; otherwise those of points inside are unknown, which their rows say. Preconditions: `size`
+  /// points, as many as the chunk that is bound.
+  void enqueue(ChunkQueue& queue, const BoundChunk& chunk, std::size_t size, bool searched);
+  /// After the former without depths, and while the chunk is bound: all of it again with them.
+  void enqueue_depths(ChunkQueue& queue, std::size_t size);
+
+ private:
+  void enqueue_rows(ChunkQueue& queue, std::size_t size);
+  // A graphics processor's work-item takes one point, next to those of its neighbours.
+  [[nodiscard]] std::size_t vectors_of_columns() const {
+    return groups_.group_size == 1 ? groups_.vectors_of_item() : 1;
+  }
+
+  RowGroups groups_;
+  Scale scale_;
+  PointKernels kernels_;
+  NamedKernel point_columns_;
+  NamedKernel point_rows_;
+};
+
+// Points in, rows out, a chunk at a time, by one device or several.
+
+// Points in, rows out, a chunk at a time, without work on the host for a point that the device has proven.
+
+/// The rows `first` ... `first + count - 1` of a chunk.
+struct RowBlock {
+  std::size_t first, count;
+  RowSums sums;
+};
+
+/// What is known of a chunk without a look at its rows.
+struct ChunkOutcome {
+  bool refused;                      ///< a coordinate is not finite: the rows mean nothing
+  std::span<const RowBlock> blocks;  ///< in order, until the next call
+};
+
+/// As Batch, but for how many chunks may be in flight: all calls from one thread; they throw Error(failure) with the
+/// name of a failed OpenCL call.
+class PointPipe {
+ public:
+  PointPipe() = default;
+  virtual ~PointPipe() = default;
+  PointPipe(const PointPipe&) = delete;
+  PointPipe& operator=(const PointPipe&) = delete;
+
+  /// Points that the next chunk may hold, and that any may.
+  [[nodiscard]] virtual std::size_t capacity() const = 0;
+  [[nodiscard]] virtual std::size_t largest_chunk() const { return capacity(); }
+
+  /// Chunks that may be in flight: enough to keep all of it busy.
+  [[nodiscard]] virtual std::size_t depth() const { return 2; }
+
+  /// Precondition: at most `capacity()` points, at least one, and as many rows; both stay until the chunk is collected;
+  /// fewer than `depth()` chunks in flight.
+  virtual void submit(const PointColumns& points, const ResultColumns& rows) = 0;
+
+  /// Waits for the oldest chunk in flight: its rows are written, those that are open as wide. Precondition: a chunk is
+  /// in flight.
+  virtual ChunkOutcome collect() = 0;
+
+  /// Waits for whatever is in flight.
+  virtual void discard() = 0;
+
+  /// As that of Batch.
+  [[nodiscard]] virtual double device_seconds() const = 0;
+};
+
+/// How the host's memory is reached: directly by devices that compute in it, or always by copies.
+enum class MemoryAccess { of_device, by_copies };
+
+/// Precondition: `model` is a union of convex primitives within_device_range.
+[[nodiscard]] std::unique_ptr<PointPipe> point_pipe(const Device& device, const Model& model,
+                                                    const RowCriterion& criterion,
+                                                    MemoryAccess access = MemoryAccess::of_device);
+
+// The pipes of several devices as one: they take chunks in turn, as many points of them as each is fast.
+
+/// Rows are those of the device that its chunk fell to: where devices are alike, those of one. Precondition: at least
+/// one pipe.
+[[nodiscard]] std::unique_ptr<PointPipe> several_pipes(std::vector<std::unique_ptr<PointPipe>> pipes);
+
+}  // namespace verisq::device

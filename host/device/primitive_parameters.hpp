@@ -1,0 +1,92 @@
+/// What a kernel is told about one primitive, bent or not.
+#pragma once
+
+#include <array>
+#include <boost/multiprecision/mpfr.hpp>
+#include <cmath>
+#include <verisq/model.hpp>
+
+#include "verisq/enclosure.hpp"
+
+namespace verisq::device {
+
+// Numbers of many digits on their way to binary64: what the constants of kernels are computed in.
+
+using Extended =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
+
+[[nodiscard]] inline double round_down(const Extended& x) {
+  const auto nearest = x.convert_to<double>();
+  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
+}
+
+[[nodiscard]] inline double round_up(const Extended& x) {
+  return -round_down(-x);
+}
+
+// The rotation matrix of a quaternion, for kernels that know how far it may be off.
+
+/// Of q/|q|, row by row; each entry within 2^-53 of the exact one. Precondition: finite, not zero.
+[[nodiscard]] std::array<double, 9> rotation_matrix(const std::array<double, 4>& quaternion);
+
+// What a kernel is told about one primitive: the counterpart of `superquadric` in kernels/superquadric.clh.
+
+/// Same members, same order as in the kernels. Names ending in _down or _up bound the exact real numbers; the others
+/// are the nearest and serve proposals only, except the semi-axes, which are exact.
+struct PrimitiveParameters {
+  double rotation[9];
+  double translation[3];
+  double pose_error;
+  double semi_axes[3];
+  double inverse_axes_up[3];
+  double log_axes[3];
+  double p[2];
+  double p_down[2];
+  double inverse_p[2];
+  double inverse_p_up[2];
+  double conjugate_down[2];
+  double inverse_conjugate_up[2];
+  double inradius_down;
+  double circumradius_up;
+  double reach_up;
+  double containment_up;
+  double taper;
+  double fall_down, fall_up;
+  double log_fall;
+  double focus;
+  double taper_error;
+};
+
+/// Parameters of a primitive in a frame whose unit is 2^-scale_exponent model units, which keeps the numbers of the
+/// kernels near 1. Exact but for underflow, which the kernels' error bounds cover.
+[[nodiscard]] PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_exponent);
+
+/// The rotation of q/|q|, transposed (model to local frame), row by row, to far more digits than binary64 has.
+[[nodiscard]] std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion);
+
+/// The scale for a model: its largest semi-axis comes to lie in [1, 2).
+[[nodiscard]] int scale_exponent(const Model& model);
+
+// What a kernel is told about one primitive, bent or not: the counterpart of `box_primitive` in kernels/box_map.clh.
+
+/// Same members, same order as in the kernels. Names ending in _down or _up bound the exact real numbers, the curvature
+/// is exact, the others are the nearest. A negative curvature is a positive one the other way round.
+struct BoxPrimitiveParameters {
+  PrimitiveParameters solid;
+  double frame[9];
+  double frame_error;
+  double curvature;
+  double least_w;
+  double bend_cos;
+  double bend_sin;
+  double inverse_axes_down[3];
+  double p_up[2];
+  double inverse_p_down[2];
+  double turn;
+  double turn_share;
+};
+
+/// In a frame whose unit is 2^-scale_exponent model units. Precondition: within_device_range.
+[[nodiscard]] BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int scale_exponent);
+
+}  // namespace verisq::device

@@ -1,0 +1,139 @@
+/// Points, triangles or poses in, enclosures of their distances to a union of convex primitives, and certificates, out.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "host/device/chunk_pipeline.hpp"
+#include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/program.hpp"
+#include "verisq/checker.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::device {
+
+// Points in, enclosures of their signed distances to a union of convex primitives, and their certificates, out.
+
+// What kernels make of a chunk of points in columns: enclosures of its distances to a union of convex primitives.
+
+/// The kernels of single primitives and that of their union, with the buffers of one chunk.
+class PointKernels {
+ public:
+  /// `programs` are `point_programs`; `tolerance` in the device's numbers.
+  PointKernels(const Device& device, const PointPrograms& programs, const DeviceModel& model, ChunkQueue& queue,
+               double tolerance);
+
+  /// x, y, z, in the device's numbers: to be written before `enqueue`, in whole vectors.
+  [[nodiscard]] const std::array<cl::Buffer, 3>& coordinates() const { return points_.coordinates; }
+  /// Lower and upper ends, likewise.
+  [[nodiscard]] const std::array<cl::Buffer, 2>& ends() const { return ends_; }
+  /// What is found for each primitive, and a point outside of all of them for each point: not of a single primitive.
+  [[nodiscard]] const std::vector<EvidenceBuffers>& evidence() const { return views_; }
+  [[nodiscard]] const std::array<cl::Buffer, 3>& escapes() const { return escapes_; }
+
+  /// For the first `groups` vectors of points.
+  void enqueue(ChunkQueue& queue, std::size_t groups);
+  /// Likewise, and final where a lower end is above 0, or an enclosure not wider than the tolerance. Others are
+  /// valid: upper ends are those of any point inside.
+  void enqueue_outside(ChunkQueue& queue, std::size_t groups);
+  /// After that: all of the others, too.
+  void enqueue_inside(ChunkQueue& queue, std::size_t groups);
+
+ private:
+  void enqueue_distances(ChunkQueue& queue, std::size_t groups);
+  void enqueue_depths(ChunkQueue& queue, std::size_t groups);
+  void enqueue_union(ChunkQueue& queue, std::size_t groups);
+
+  std::size_t count_;  // of primitives
+  // Kernels do not keep the buffers that they are given.
+  cl::Buffer primitives_;
+  std::vector<bool> tapered_;  // which primitives are
+  ConvexDistance::Points points_;
+  ConvexDistance convex_distance_;
+  NamedKernel union_distance_;
+  EvidenceBuffers per_primitive_;  // primitive by primitive
+  std::array<cl::Buffer, 2> ends_;
+  std::array<cl::Buffer, 3> escapes_;
+  std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
+};
+
+// Turns what the kernels found about a point into the certificate of its enclosure.
+
+/// In model units. Nothing here needs to be true: certificates are proposals until they are checked.
+struct Evidence {
+  struct OfPrimitive {
+    double hi;     ///< upper end for this primitive alone; infinite where it was passed over
+    Point normal;  ///< of the lower end, of any length
+  };
+  std::vector<OfPrimitive> primitives;
+  Point escape;  ///< meaningful where the union's lower end is finite and not positive
+};
+
+/// Of each primitive, the same about a triangle, and where on it the upper end's point lies.
+struct TriangleEvidenceOfPrimitive {
+  Evidence::OfPrimitive bounds;
+  std::array<double, 2> weights;
+};
+using TriangleEvidence = std::vector<TriangleEvidenceOfPrimitive>;
+
+/// With every normal that a kernel found: a primitive without one is far by its bounding sphere.
+[[nodiscard]] Certificate certificate_of(const TriangleEvidence& evidence);
+
+class CertificateAssembly {
+ public:
+  explicit CertificateAssembly(const Model& model);
+
+  /// As few normals as prove the enclosure: outside, those of the primitives whose bounding sphere is too near; inside,
+  /// that of the primitive that decides the upper end.
+  [[nodiscard]] Certificate operator()(const Point& point, const Enclosure& distance, const Evidence& evidence) const;
+
+ private:
+  struct Sphere {
+    Point centre;
+    double radius;
+  };
+
+  [[nodiscard]] static bool clear_of_sphere(const Point& point, double distance, const Sphere& sphere);
+
+  std::vector<Sphere> spheres_;  ///< about each primitive
+};
+
+// Points in, enclosures of their signed distances to a model out.
+
+/// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
+[[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
+                                                        bool certificates);
+
+/// With kernels of one's own, for tests. Precondition: compiled for the memory that the device's models of this size
+/// lie in, and for the device's vector width.
+[[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const cl::Program& program,
+                                                        const Model& model, double tolerance, bool certificates);
+
+// Triangles in, enclosures of their distances to a model out.
+
+/// `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call, and RefusedDevice
+/// where the kernels err on samples.
+[[nodiscard]] std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Model& model,
+                                                              bool certificates);
+
+/// With kernels that are not tried before. Precondition: compiled for the device's vector width.
+[[nodiscard]] std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const cl::Program& program,
+                                                              const Model& model, bool certificates);
+
+// Poses of a model B in, enclosures of its distances to a model A out; there are no certificates.
+
+/// Throws Error(failure) with the name of a failed OpenCL call, and
+/// RefusedDevice where the kernels err on samples.
+[[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b);
+
+/// With kernels that are not tried before. Precondition: compiled for the device's vector width.
+[[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const cl::Program& program, const Model& a,
+                                                      const Model& b);
+
+}  // namespace verisq::device

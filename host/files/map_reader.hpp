@@ -1,0 +1,44 @@
+/// Certified maps read back: by the extension of their file, and those that are CSV.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <verisq/map_file.hpp>
+
+namespace verisq {
+
+/// The rows of a certified map, front to back. Throws Error as `MapReader` does.
+class MapRows {
+ public:
+  MapRows() = default;
+  MapRows(const MapRows&) = delete;
+  MapRows& operator=(const MapRows&) = delete;
+  virtual ~MapRows() = default;
+
+  [[nodiscard]] virtual MapElements elements() const = 0;
+
+  /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map.
+  virtual std::size_t read(std::span<CertifiedRow> rows) = 0;
+
+  // As those of `MapReader`.
+  [[nodiscard]] virtual bool draws() const { return false; }
+  [[nodiscard]] virtual std::optional<MapDifference> difference_from(const Mesh& /*mesh*/) const { return {}; }
+};
+
+/// How much of a map a file is, by its name.
+enum class MapExtent {
+  whole,
+  part,  ///< the rows before an early end, the last of them perhaps not whole
+};
+
+[[nodiscard]] std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path, MapExtent extent);
+[[nodiscard]] std::unique_ptr<MapRows> open_vtp_map(const std::filesystem::path& path);
+
+/// What is wrong with a sound map that has nothing to check, and what to do about it.
+inline constexpr std::string_view without_certificates =
+    "written without `certificates`: map again with `certificates`";
+
+}  // namespace verisq

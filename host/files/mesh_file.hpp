@@ -1,0 +1,89 @@
+/// Meshes from files: the formats, and what they have in common.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/mesh.hpp>
+
+#include "host/files/input_file.hpp"
+
+namespace verisq {
+
+// The mesh formats: one function and one source file each.
+
+// Each reads the whole of `file` from its start and throws Error(input) as read_mesh documents.
+[[nodiscard]] Mesh read_stl(InputFile& file);
+[[nodiscard]] Mesh read_obj(InputFile& file);
+[[nodiscard]] Mesh read_ply(InputFile& file);
+[[nodiscard]] Mesh read_off(InputFile& file);
+
+/// One label a vertex.
+struct LabelledMesh {
+  Mesh mesh;
+  std::vector<std::int64_t> labels;
+};
+
+/// As read_ply, with an integer property of the vertices. Throws Error(input) where there is none of this name, and
+/// where it is a list, a floating-point number or a coordinate.
+[[nodiscard]] LabelledMesh read_labelled_ply(InputFile& file, const std::string& property);
+
+// Collects the vertices and polygons of a mesh file and refuses what is not a surface.
+
+/// Every refusal is an Error(input) at the position of what `file` read last.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(const InputFile& file) : file_(file) {}
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+
+  /// Precondition: the counts are bounded by the size of the file, or a header could ask for all memory.
+  void reserve(std::size_t vertices, std::size_t triangles);
+
+  /// Fails when an index would not fit into 32 bits. Precondition: finite coordinates.
+  std::uint32_t add_vertex(const Point& vertex);
+
+  /// `index` (from 0) as an index of the vertices so far; fails when it is out of range.
+  [[nodiscard]] std::uint32_t checked_index(std::int64_t index) const;
+
+  /// Fails for fewer than three corners.
+  void check_corner_count(std::int64_t count) const;
+
+  /// Splits the polygon into triangles, as `triangles_of_polygon` says. Fails for fewer than three corners, for a
+  /// triangle of exactly zero area and for polygons that cannot be split. Precondition: checked indices.
+  void add_polygon(std::span<const std::uint32_t> corners);
+
+  /// The mesh. Fails when it has no vertices.
+  [[nodiscard]] Mesh finish() &&;
+
+ private:
+  void add_triangle(const std::array<std::uint32_t, 3>& triangle);
+
+  const InputFile& file_;
+  Mesh mesh_;
+  std::uint64_t polygons_ = 0;
+  std::vector<Point> polygon_;  // the one added last
+};
+
+// Gives equal points one index: STL repeats every vertex for each triangle that meets there.
+
+/// An open-addressing hash table of vertex indices, four bytes a slot, at most half full: 10^7 triangles take 64 MiB
+/// where std::unordered_map takes a gigabyte. Equal means equal as numbers: -0.0 and 0.0 are one.
+class VertexMerger {
+ public:
+  explicit VertexMerger(MeshBuilder& builder);
+
+  /// The index of the vertex equal to `point`, added when new. Precondition: finite coordinates.
+  std::uint32_t index_of(const Point& point);
+
+ private:
+  [[nodiscard]] std::size_t slot_of(const Point& point) const;
+  void grow();
+
+  MeshBuilder& builder_;
+  std::vector<std::uint32_t> slots_;  // vertex index, or `empty`; the size is a power of two
+};
+
+}  // namespace verisq

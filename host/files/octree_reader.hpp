@@ -1,0 +1,78 @@
+/// How a `.vtu` holds an octree, and the reader of what OctreeWriter writes, to the byte.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <verisq/checker.hpp>
+
+namespace verisq {
+
+// What a file of an octree holds: equal siblings merged into their parent, corners shared.
+
+/// Eight children of one colour become their parent, as often as there are such. In the order of colours, levels and
+/// positions.
+[[nodiscard]] std::vector<OctreeCube> merged(std::span<const OctreeCube> cubes);
+
+/// The different corners of cubes, in the order of z, then y, then x.
+class SharedCorners {
+ public:
+  using LatticePoint = std::array<std::uint32_t, 3>;  ///< in edges of cubes of `level`, from the root's lower corner
+
+  explicit SharedCorners(std::span<const OctreeCube> cubes);
+
+  [[nodiscard]] int level() const { return level_; }  ///< the deepest of the cubes
+  [[nodiscard]] std::size_t size() const { return keys_.size(); }
+  [[nodiscard]] LatticePoint operator[](std::size_t index) const;
+
+  /// The indices of the cube's corners: those with its lower z counterclockwise as seen from above, then those above
+  /// them (the order of a hexahedron of VTK). Precondition: it is one of the cubes.
+  [[nodiscard]] std::array<std::uint64_t, 8> of(const OctreeCube& cube) const;
+
+ private:
+  int level_ = 0;
+  std::vector<std::uint64_t> keys_;        ///< rising
+  std::vector<std::uint64_t> first_of_z_;  ///< where the keys of each z begin
+};
+
+// How a `.vtu` holds an octree: text and arrays whose sizes are known before anything is written.
+
+/// Where each array of the appended part begins, from the first byte of the file, behind the 8 bytes of its size.
+struct OctreeArrays {
+  std::uint64_t root, points, connectivity, offsets, types, colour, level;
+  std::uint64_t end;  ///< of the file
+};
+
+/// Of a file with `points` corners and `cells`, whose XML part has `text_bytes`.
+[[nodiscard]] OctreeArrays octree_arrays(std::uint64_t text_bytes, std::uint64_t points, std::uint64_t cells);
+
+/// Whether indices of corners, and the offsets behind them, are of 32 bits.
+[[nodiscard]] bool has_narrow_indices(std::uint64_t cells);
+
+class OctreeLayout {
+ public:
+  using Sink = std::function<void(std::string_view bytes)>;
+
+  /// Eight siblings of one colour become their parent.
+  explicit OctreeLayout(std::span<const OctreeCube> cubes);
+
+  [[nodiscard]] std::uint64_t bytes() const;
+
+  /// All bytes of the file, one after the other.
+  void write(const Sink& sink, const OctreeRoot& root) const;
+
+ private:
+  void write_points(const Sink& sink, const OctreeRoot& root) const;
+  template <class Index>
+  void write_cells(const Sink& sink) const;
+
+  std::vector<OctreeCube> cubes_;
+  SharedCorners corners_;
+  std::string text_;
+};
+
+}  // namespace verisq

@@ -1,0 +1,317 @@
+/// Maps of uncertain models, by those that bracket them, and of uncertain poses.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <concepts>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/maps/certified_rows.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/uncertain_pose_rows.hpp"
+#include "verify/proof/uncertain_model.hpp"
+#include "verify/proof/verdict.hpp"
+#include "verify/search/fit_box_bound.hpp"
+
+namespace verisq {
+
+// Maps of uncertain models: those of the models that bracket them, chunk by chunk, their rows combined.
+
+/// Of each model, or of each pair of models, that brackets.
+template <class Query>
+using BracketedMap = verify::Bracketed<std::unique_ptr<ExactMap<Query>>>;
+
+/// The rows of one chunk by one map: fewer than its queries if the map was interrupted.
+struct MapRows {
+  std::vector<MapResult> results;
+  std::vector<Certificate> certificates;
+  MapSummary summary;
+};
+
+/// What the maps of the bracketing models say of one chunk.
+using BracketRows = verify::Bracketed<MapRows>;
+
+[[nodiscard]] inline std::vector<const MapRows*> each(const BracketRows& rows) {
+  std::vector<const MapRows*> all{&rows.smallest};
+  for (const auto* const other : {&rows.largest, &rows.inflated})
+    if (*other) all.push_back(&**other);
+  return all;
+}
+
+template <class Query>
+[[nodiscard]] MapRows map_chunk(ExactMap<Query>& map, std::span<const Query> queries) {
+  MapRows rows;
+  const auto source = [&](std::span<Query> chunk) {
+    const std::size_t count = std::min(chunk.size(), queries.size());
+    std::ranges::copy(queries.first(count), chunk.begin());
+    queries = queries.subspan(count);
+    return count;
+  };
+  const auto sink = [&](std::span<const Query>, std::span<const MapResult> results,
+                        std::span<const Certificate> certificates) {
+    rows.results.insert(rows.results.end(), results.begin(), results.end());
+    rows.certificates.insert(rows.certificates.end(), certificates.begin(), certificates.end());
+  };
+  rows.summary = map.map(source, sink);
+  return rows;
+}
+
+[[nodiscard]] inline Enclosure combined(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i,
+                                        const Point& point) {
+  std::optional<double> of_inflated;
+  if (rows.inflated) of_inflated = rows.inflated->results[i].distance.lo;
+  return verify::between(bounds.signed_lower(rows.of_largest().results[i].distance.lo, of_inflated),
+                         bounds.upper(rows.smallest.results[i].distance.hi),
+                         [&] { return "the signed distance at " + verify::text_of(point); });
+}
+
+[[nodiscard]] inline std::string described(const Triangle& triangle) {
+  return "the distance of the triangle from " + verify::text_of(triangle[0]);
+}
+
+[[nodiscard]] inline std::string described(const Pose& pose) {
+  return "the distance at the pose of translation " + verify::text_of(pose.translation);
+}
+
+/// Of distances that are never below 0.
+template <class Query>
+[[nodiscard]] Enclosure combined(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i,
+                                 const Query& query) {
+  return verify::between(bounds.unsigned_lower(rows.of_largest().results[i].distance.lo),
+                         bounds.upper(rows.smallest.results[i].distance.hi), [&] { return described(query); });
+}
+
+[[nodiscard]] inline Status combined_status(const Enclosure& distance, double tolerance,
+                                            std::span<const MapRows* const> rows, std::size_t i) {
+  // The tightest of uncertain numbers is what the tightest of both ends leave.
+  const auto is_wide = [i](const MapRows* of) { return of->results[i].status == Status::wide; };
+  const bool tightest = tolerance == 0.0 && std::ranges::none_of(rows, is_wide);
+  if (!verified(distance, tolerance) && !tightest) return Status::wide;
+  const auto by_device = [i](const MapRows* of) { return of->results[i].status == Status::device_verified; };
+  return std::ranges::all_of(rows, by_device) ? Status::device_verified : Status::host_verified;
+}
+
+/// The upper end's normals first, as certificates want it; each later normal proves what it can. An escape is that of
+/// `inflated` where there is one: what lies outside it lies outside every member.
+[[nodiscard]] inline Certificate merged(const BracketRows& rows, std::size_t i) {
+  Certificate merged = rows.smallest.certificates[i];
+  const auto add = [&](const Certificate& lower) {
+    for (const Normal& normal : lower.normals)
+      if (std::ranges::find(merged.normals, normal) == merged.normals.end()) merged.normals.push_back(normal);
+    merged.escape = lower.escape;
+  };
+  add(rows.of_largest().certificates[i]);
+  if (rows.inflated) add(rows.inflated->certificates[i]);
+  return merged;
+}
+
+template <class Query>
+class BracketMap {
+ public:
+  /// `options` are those of the combined rows. Of a single member, `maps` is its map, made by the same options.
+  BracketMap(const verify::MemberBounds& bounds, const MapOptions& options, BracketedMap<Query> maps)
+      : bounds_(bounds), options_(options), maps_(std::move(maps)) {}
+
+  /// As Mapper::map.
+  MapSummary map(const Source<Query>& source, const Sink<Query>& sink) {
+    if (bounds_.exact()) return maps_.smallest->map(source, sink);
+    MapSummary summary = empty_summary();
+    std::vector<Query> queries;
+    ChunkPace pace = options_.out_of_time ? ChunkPace() : ChunkPace::of_blocks(rows_per_block, most_at_once);
+    do {
+      queries.resize(pace.size());
+      queries.resize(source(queries));
+      const auto start = std::chrono::steady_clock::now();
+      const BracketRows rows = map_bracket(queries);
+      pace.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      add_runs(summary, rows);
+      deliver(queries, rows, summary, sink);
+    } while (!queries.empty() && !summary.interrupted);
+    return summary;
+  }
+
+  MapSummary map_in_memory(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows) {
+    if (bounds_.exact()) return maps_.smallest->map_in_memory(queries, rows);
+    return map_copies<Query>(queries, rows, [this](const auto& source, const auto& sink) { return map(source, sink); });
+  }
+
+  [[nodiscard]] const MapOptions& options() const { return options_; }
+
+ private:
+  [[nodiscard]] BracketRows map_bracket(std::span<const Query> queries) {
+    BracketRows rows{map_chunk(*maps_.smallest, queries), std::nullopt, std::nullopt};
+    if (maps_.largest) rows.largest = map_chunk(**maps_.largest, queries);
+    if (maps_.inflated) rows.inflated = map_chunk(**maps_.inflated, queries);
+    return rows;
+  }
+
+  static void add_runs(MapSummary& summary, const BracketRows& rows) {
+    summary.device = rows.smallest.summary.device;
+    summary.notice = rows.smallest.summary.notice;
+    for (const MapRows* of : each(rows)) {
+      summary.device_seconds += of->summary.device_seconds;
+      summary.host_seconds += of->summary.host_seconds;
+      summary.interrupted = summary.interrupted || of->summary.interrupted;
+      summary.out_of_time = summary.out_of_time || of->summary.out_of_time;
+    }
+  }
+
+  void deliver(std::span<const Query> queries, const BracketRows& rows, MapSummary& summary,
+               const Sink<Query>& sink) const {
+    const std::vector<const MapRows*> all = each(rows);
+    std::size_t finished = queries.size();
+    for (const MapRows* of : all) finished = std::min(finished, of->results.size());
+    if (finished == 0) return;
+    std::vector<MapResult> results(finished);
+    std::vector<Certificate> certificates(options_.certificates ? finished : 0);
+    for (std::size_t i = 0; i < finished; ++i) {
+      const Enclosure distance = combined(bounds_, rows, i, queries[i]);
+      results[i] = {distance, combined_status(distance, options_.tolerance, all, i)};
+      if (options_.certificates) certificates[i] = merged(rows, i);
+      count(summary, results[i]);
+    }
+    sink(queries.first(finished), results, certificates);
+  }
+
+  static constexpr std::size_t most_at_once = std::size_t{1} << 16U;
+
+  verify::MemberBounds bounds_;
+  MapOptions options_;
+  BracketedMap<Query> maps_;
+};
+
+// Maps of models at uncertain poses: rows at the nominal pose, widened by what the motions may change.
+
+/// What the motions change the distance of a query by, at most. `reach` is that of the model (of poses).
+[[nodiscard]] inline double change_of(const PoseUncertainty& bounds, const Point& point, double /*reach*/) {
+  return verify::DisplacedPoint(bounds, point).reach();
+}
+/// The motions are affine: no point of a triangle is taken farther than a corner.
+[[nodiscard]] inline double change_of(const PoseUncertainty& bounds, const Triangle& triangle, double /*reach*/) {
+  double reach = 0.0;
+  for (const Point& corner : triangle) reach = std::max(reach, verify::DisplacedPoint(bounds, corner).reach());
+  return reach;
+}
+[[nodiscard]] inline double change_of(const PoseUncertainty& /*bounds*/, const Pose& /*pose*/, double reach) {
+  return reach;
+}
+
+template <class Query>
+class UncertainPoseMap {
+ public:
+  /// `options` are those of the widened rows, `map` makes those at the nominal pose; `reach` is how far the motions
+  /// take the model. `convex` is given of points about an exact union of convex primitives.
+  UncertainPoseMap(const MapOptions& options, double reach, BracketMap<Query> map,
+                   std::optional<ConvexPoseRows> convex = {})
+      : options_(options), reach_(reach), map_(std::move(map)), convex_(std::move(convex)) {}
+
+  /// As Mapper::map.
+  MapSummary map(const Source<Query>& source, const Sink<Query>& sink) {
+    if (!options_.pose_uncertainty) return map_.map(source, sink);
+    MapSummary summary = empty_summary();
+    std::vector<Query> queries;
+    const bool of_blocks = !options_.out_of_time && options_.pose_divisions == 1;
+    ChunkPace pace = of_blocks ? ChunkPace::of_blocks(rows_per_block, most_at_once) : ChunkPace();
+    do {
+      queries.resize(pace.size());
+      queries.resize(source(queries));
+      const auto start = std::chrono::steady_clock::now();
+      const std::vector<MapResult> rows = map_chunk(queries, summary);
+      pace.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      for (const MapResult& row : rows) count(summary, row);
+      if (!rows.empty()) sink(std::span(queries).first(rows.size()), rows, {});
+    } while (!queries.empty() && !summary.interrupted);
+    return summary;
+  }
+
+  MapSummary map_in_memory(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows) {
+    if (!options_.pose_uncertainty) return map_.map_in_memory(queries, rows);
+    return map_copies<Query>(queries, rows, [this](const auto& source, const auto& sink) { return map(source, sink); });
+  }
+
+  [[nodiscard]] const MapOptions& options() const { return options_; }
+
+ private:
+  /// None, or fewer than the queries, if interrupted.
+  [[nodiscard]] std::vector<MapResult> map_chunk(std::span<const Query> queries, MapSummary& summary) {
+    std::vector<MapResult> rows = changed_rows(queries, summary);
+    if constexpr (std::same_as<Query, Point>) narrow(rows, queries, summary);
+    for (MapResult& row : rows) {
+      if (!verified(row.distance, options_.tolerance)) row.status = Status::wide;
+    }
+    return rows;
+  }
+
+  [[nodiscard]] std::vector<MapResult> changed_rows(std::span<const Query> queries, MapSummary& summary) {
+    if constexpr (std::same_as<Query, Point>) {
+      if (options_.pose_divisions > 1) {
+        const auto rows = [&](std::span<const Point> points, std::span<MapResult> results) {
+          return nominal_rows(points, results, summary) == points.size();
+        };
+        const auto enough = [this] { return options_.out_of_time && options_.out_of_time(); };
+        return subdivided(*options_.pose_uncertainty, options_.pose_divisions, queries, rows, enough);
+      }
+    }
+    std::vector<MapResult> rows(queries.size());
+    rows.resize(nominal_rows(queries, rows, summary));
+    for (std::size_t i = 0; i < rows.size(); ++i) widen(rows[i], queries[i]);
+    return rows;
+  }
+
+  /// To what convexity proves, too.
+  void narrow(std::vector<MapResult>& rows, std::span<const Point> queries,
+              MapSummary& summary) requires(std::same_as<Query, Point>) {
+    if (!convex_ || rows.size() != queries.size() || (options_.out_of_time && options_.out_of_time())) return;
+    const std::vector<Enclosure> proven = (*convex_)(queries);
+    if (proven.size() != rows.size()) {
+      summary.interrupted = true;
+      rows.clear();
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      Enclosure& distance = rows[i].distance;
+      const Enclosure widened = distance;
+      using verify::Interval;
+      const Interval radius(options_.point_radius);
+      distance.lo = std::max(widened.lo, (Interval(proven[i].lo) - radius).lower());
+      distance.hi = std::min(widened.hi, (Interval(proven[i].hi) + radius).upper());
+      if (distance != widened) rows[i].status = Status::host_verified;
+    }
+  }
+
+  void widen(MapResult& row, const Query& query) const {
+    using verify::Interval;
+    const Interval change(change_of(*options_.pose_uncertainty, query, reach_));
+    row.distance.hi = (Interval(row.distance.hi) + change).upper();
+    row.distance.lo = (Interval(row.distance.lo) - change).lower();
+    if constexpr (!std::same_as<Query, Point>) row.distance.lo = std::max(0.0, row.distance.lo);
+    // Rows that are wide at the nominal pose are the host's, too.
+    if (row.status == Status::wide) row.status = Status::host_verified;
+  }
+
+  /// How many are filled; what the run took is added to the summary.
+  [[nodiscard]] std::size_t nominal_rows(std::span<const Query> queries, std::span<MapResult> rows,
+                                         MapSummary& summary) {
+    const MapSummary run = map_.map_in_memory(queries, rows);
+    summary.device = run.device;
+    summary.notice = run.notice;
+    summary.device_seconds += run.device_seconds;
+    summary.host_seconds += run.host_seconds;
+    summary.interrupted = summary.interrupted || run.interrupted;
+    summary.out_of_time = summary.out_of_time || run.out_of_time;
+    return run.points;
+  }
+
+  static constexpr std::size_t most_at_once = std::size_t{1} << 16U;
+
+  MapOptions options_;
+  double reach_;
+  BracketMap<Query> map_;
+  std::optional<ConvexPoseRows> convex_;
+};
+
+}  // namespace verisq

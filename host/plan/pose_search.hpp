@@ -1,0 +1,151 @@
+/// The search for a pose: what it minimises, on a device or the host, and its steps.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "host/plan/candidate_evaluation.hpp"
+#include "host/plan/requirements.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/fit.hpp"
+
+namespace verisq::fit_search {
+
+// The search of a fit: from many starts, then locally, by NLopt, until the caller or time ends it.
+
+// What the caller of a fit hears of it and says to it while it runs.
+
+class SearchWatch {
+ public:
+  /// Keeps a reference to the options.
+  SearchWatch(const FitOptions& options, std::size_t implants) : options_(options), implants_(implants) {}
+
+  /// Whether the search is to end: polls the caller and its time limit until one of them has said so once, and tells
+  /// the progress a few times a second.
+  [[nodiscard]] bool ended();
+
+  /// Which of them said so, if one did.
+  [[nodiscard]] bool interrupted() const { return interrupted_; }
+  [[nodiscard]] bool out_of_time() const { return out_of_time_; }
+
+  /// From now on an implant is searched, and this share of the work on it is done.
+  void at(std::size_t implant, double share);
+
+  /// A pose within the limit has this objective.
+  void found(double objective) { best_ = std::max(best_, objective); }
+
+  void count(std::size_t poses) { poses_ += poses; }
+  [[nodiscard]] std::uint64_t poses() const { return poses_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void report_now_and_then();
+
+  const FitOptions& options_;
+  std::size_t implants_;
+  std::size_t implant_ = 0;
+  double share_ = 0.0;
+  double best_ = -infinity;
+  bool interrupted_ = false;
+  bool out_of_time_ = false;
+  std::uint64_t poses_ = 0;
+  Clock::time_point next_report_ = Clock::now();
+};
+
+// Maximises a smooth function of bounded parameters under inequality constraints, by NLopt's SLSQP.
+
+struct MaximisationProblem {
+  const Parameters& lower;
+  const Parameters& upper;
+  Parameters units;  ///< steps of this size change the objective noticeably: the optimiser counts in them
+  double typical;    ///< size of the objective, > 0
+
+  /// Returns the objective and writes its derivatives.
+  std::function<double(std::span<const double> parameters, std::span<double> gradient)> objective;
+
+  /// Constraints are numbers that must not be negative, or by no more than the tolerance: an optimum lies on some of
+  /// them, and rounding to either side. `jacobian` holds their derivatives row by row.
+  std::size_t constraints = 0;
+  double constraint_tolerance = 0.0;
+  std::function<void(std::span<const double> parameters, std::span<double> values, std::span<double> jacobian)>
+      constrain = {};
+
+  /// Polled before each evaluation; true ends the search with the best so far.
+  std::function<bool()> interrupted;
+};
+
+struct StoppingCriteria {
+  double step;  ///< of every parameter, in its unit
+  int evaluations;
+};
+
+/// A local maximum near the start, as far as the criteria let it come. What the functions throw is passed on.
+/// Precondition: the start lies within the bounds.
+[[nodiscard]] Parameters maximised(const MaximisationProblem& problem, const Parameters& start,
+                                   const StoppingCriteria& stop);
+
+// Climbs from a candidate to the nearest maximum of the objective, without regard to the limit of penetration.
+
+struct Ranked {
+  Parameters parameters;
+  double objective;  ///< rank by a landscape
+};
+
+/// An objective to climb: over every stride-th point.
+struct Landscape {
+  Fitness fitness;
+  std::size_t stride;
+  double weight;  ///< of the points that take part, in all
+
+  /// A sample on the wrong side, or a unit that is missing, costs what all points are worth at best.
+  [[nodiscard]] double rank(double objective, double broken) const { return objective - weight * broken; }
+};
+
+/// The fitness with its scale multiplied: wide enough, every point of the cavity tells where to go, and F has fewer
+/// maxima.
+[[nodiscard]] Fitness widened(const Fitness& fitness, double factor);
+
+[[nodiscard]] Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,
+                             const Landscape& landscape, const Parameters& start, const StoppingCriteria& stop,
+                             SearchWatch& watch);
+
+// Where to begin: poses sampled evenly, then again around the best of them, cells without prospects left out.
+
+struct Sampling {
+  std::size_t samples;  ///< in all
+  std::uint64_t seed;
+  std::size_t keep;  ///< starts returned, at most
+};
+
+/// The best samples, best first, no two of them in one cell. Sizes stay at the middle of their intervals.
+[[nodiscard]] std::vector<Ranked> global_start(const CandidateSpace& space, CandidateEvaluator& evaluator,
+                                               const Requirements& asked, const Landscape& landscape,
+                                               const Sampling& sampling, SearchWatch& watch);
+
+}  // namespace verisq::fit_search
+
+namespace verisq::device {
+
+// Evaluates many candidates for the pose of an implant against all points of a cavity in one launch of a device.
+
+/// An evaluator that keeps `points`, with one of `weights` each, on the device; a call brings the candidates there and
+/// their evaluations back, in launches of at most about a fifth of a second on two processor cores (at least one
+/// candidate each). The same call gives the same bits again, and so does a candidate among others. Distances outside
+/// and of shallow points inside are right to about 1e-12 of the primitive's size, but for those whose search misses the
+/// closest point: one outside in some 200,000, of tapered primitives one in 2,000, with exponents above 1.4 a few in a
+/// thousand. Deep inside, where several faces are about equally near, depths may be overestimated (one in a hundred).
+/// Exponents above 1.95 count as 1.95: a solid at most 3.5 % larger. The first call compiles its kernels, or takes them
+/// from the cache. Throws Error(failure) here and in calls where the device fails. Precondition: at least one point;
+/// finite; weights >= 0; stride > 0; at least one primitive a candidate, none bent; candidates of a call agree on which
+/// primitives are tapered.
+[[nodiscard]] std::unique_ptr<fit_search::CandidateEvaluator> device_candidate_evaluator(
+    const Device& device, std::span<const Point> points, std::span<const double> weights);
+
+}  // namespace verisq::device

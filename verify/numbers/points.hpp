@@ -1,0 +1,77 @@
+/// Points of binary64: finite ones, largest coordinates, lengths.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+// Whether a point has three finite coordinates.
+
+[[nodiscard]] inline bool is_finite(const Point& x) {
+  return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
+}
+
+// How large the numbers of points are: what roundings are in proportion to.
+
+/// Precondition: finite.
+[[nodiscard]] inline double largest_coordinate(const Point& point) {
+  double largest = 0.0;
+  for (const double c : point) largest = std::max(largest, std::abs(c));
+  return largest;
+}
+
+/// The largest of all points, such as a triangle's corners; likewise.
+[[nodiscard]] inline double largest_coordinate(std::span<const Point> points) {
+  double largest = 0.0;
+  for (const Point& point : points) largest = std::max(largest, largest_coordinate(point));
+  return largest;
+}
+
+// The length of a vector of binary64 numbers, with a bound of its error that rests on correctly rounded operations
+// alone.
+
+/// Within 2^-50 of the Euclidean length, relatively, and 2^-1074; NaN or infinity where a component is, or on overflow.
+/// Not std::hypot, whose accuracy is each library's own. With u = 2^-53 and quotients by the largest component m, of
+/// which one is 1: each quotient rounds by u, its square by u more, two sums by u each, so that their root is off by
+/// 5u/2; root and product round by u each. These 9u/2 < 2^-50 leave room for the products of errors and for the squares
+/// that underflow beside 1; a subnormal product rounds by 2^-1075.
+[[nodiscard]] inline double length(double x, double y, double z) {
+  const double m = std::max({std::fabs(x), std::fabs(y), std::fabs(z)});
+  if (m == 0.0) return x + y + z;  // 0, or NaN
+  const double a = x / m;
+  const double b = y / m;
+  const double c = z / m;
+  return m * std::sqrt(a * a + b * b + c * c);
+}
+
+// Numbers scaled by a power of two, where only their ratios matter: directions, and quaternions of any length but 0.
+
+/// The largest component lies in [2^e, 2^(e + 1)), also where it is subnormal. Precondition: finite, not all are 0.
+template <std::size_t N>
+[[nodiscard]] int exponent_of(const std::array<double, N>& numbers) {
+  double largest = 0.0;
+  for (const double x : numbers) largest = std::max(largest, std::abs(x));
+  return std::ilogb(largest);
+}
+
+/// The same direction with its largest component in [1, 2), whose square can neither overflow nor vanish.
+///
+/// A power of two changes no digit of a number that stays normal. Here no number gets larger than 2, so that none
+/// overflows. What falls below 2^-1022 is rounded by at most 2^-1075, beside a component of at least 1: the direction
+/// turns by less than 2^-1073, far less than a single rounding of any square, product or root changes.
+/// Precondition: finite, not all are 0.
+template <std::size_t N>
+[[nodiscard]] std::array<double, N> near_one(const std::array<double, N>& numbers) {
+  std::array<double, N> scaled{};
+  std::ranges::transform(numbers, scaled.begin(),
+                         [down = -exponent_of(numbers)](double x) { return std::ldexp(x, down); });
+  return scaled;
+}
+
+}  // namespace verisq::verify

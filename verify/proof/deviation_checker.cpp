@@ -1,0 +1,251 @@
+///
+#include <algorithm>
+#include <utility>
+
+#include "verify/numbers/rounding.hpp"
+#include "verify/proof/proven_surface.hpp"
+#include "verify/proof/triangle_piece.hpp"
+#include "verify/proof/verdict.hpp"
+#include "verify/solids/rigid_motion.hpp"
+#include "verisq/deviation.hpp"
+
+namespace verisq {
+
+using verify::TriangleDistances;
+using verify::WeightedCell;
+
+namespace {
+
+DistanceSummary summary_of(std::span<const WeightedCell> cells, double least, std::span<const double> percentiles) {
+  DistanceSummary result;
+  double greatest = 0.0;
+  for (const WeightedCell& cell : cells) greatest = std::max(greatest, cell.range.hi);
+  result.largest = verify::between(least, greatest, [] { return "the largest distance"; });
+  result.mean = verify::mean_of(cells);
+  const verify::Distribution distribution(cells);
+  for (const double percent : percentiles) result.percentiles.push_back(distribution.percentile(percent));
+  return result;
+}
+
+DistanceSummary of_vertices(std::span<const Enclosure> rows, std::span<const double> percentiles) {
+  std::vector<WeightedCell> cells;
+  double largest = 0.0;
+  for (const Enclosure& row : rows) {
+    const Enclosure found = verify::magnitude(row);
+    cells.push_back({{1.0, 1.0}, found, found});
+    largest = std::max(largest, found.lo);
+  }
+  return summary_of(cells, largest, percentiles);
+}
+
+DistanceSummary of_triangles(const Mesh& mesh, std::span<const Enclosure> rows,
+                             std::span<const TriangleDistances> triangles, std::span<const double> percentiles) {
+  std::vector<WeightedCell> cells;
+  double largest = 0.0;
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    for (const std::uint32_t corner : mesh.triangles[n]) {
+      largest = std::max(largest, verify::magnitude(rows[corner]).lo);
+    }
+    largest = std::max(largest, triangles[n].largest);
+    cells.insert(cells.end(), triangles[n].cells.begin(), triangles[n].cells.end());
+  }
+  return summary_of(cells, largest, percentiles);
+}
+
+Enclosure larger(const Enclosure& a, const Enclosure& b) {
+  return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
+}
+
+}  // namespace
+
+Finding check(const Enclosure& claimed, const Enclosure& proven) {
+  return verify::judged(claimed, proven, proven);
+}
+
+std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary& proven) {
+  std::vector<Finding> findings{check(claimed.largest, proven.largest), check(claimed.mean, proven.mean)};
+  for (std::size_t i = 0; i < claimed.percentiles.size(); ++i) {
+    findings.push_back(check(claimed.percentiles[i], proven.percentiles[i]));
+  }
+  return findings;
+}
+
+std::vector<Finding> check(const AreaStatistics& claimed, const AreaStatistics& proven) {
+  std::vector<Finding> findings{check(claimed.mean, proven.mean)};
+  for (std::size_t i = 0; i < claimed.percentiles.size(); ++i) {
+    findings.push_back(check(claimed.percentiles[i], proven.percentiles[i]));
+  }
+  return findings;
+}
+
+struct DeviationChecker::State {
+  explicit State(const Model& of) : samples(of) {}
+
+  verify::ProvenSamples samples;
+};
+
+DeviationChecker::DeviationChecker(const Model& model) : state_(std::make_unique<State>(model)) {}
+DeviationChecker::~DeviationChecker() = default;
+DeviationChecker::DeviationChecker(DeviationChecker&&) noexcept = default;
+DeviationChecker& DeviationChecker::operator=(DeviationChecker&&) noexcept = default;
+
+ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCertificate& certificate,
+                                             const Options& options) const {
+  verify::SampleTally tally(state_->samples, options.check.interrupted);
+  const verify::SampleProofs proofs = tally.proofs();
+  ProvenDeviation result;
+  const std::optional<SurfaceProof>& surface = certificate.surface;
+  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size() + (surface ? verify::parts_of(*surface) : 0),
+                           options.check);
+  std::vector<Enclosure> rows(mesh.vertices.size());
+  steps.each(rows.size(), [&](std::size_t i) { rows[i] = tally(mesh.vertices[i], certificate.vertices[i]); });
+  std::vector<TriangleDistances> triangles(mesh.triangles.size());
+  steps.each(triangles.size(), [&](std::size_t n) {
+    const auto& [a, b, c] = mesh.triangles[n];
+    triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
+                                        {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
+  });
+  if (surface && !rows.empty()) {
+    const verify::ProvenSurface proven =
+        verify::proven_surface(verify::triangles_of(mesh), *surface, options, state_->samples, proofs.distance, steps);
+    result.from_model = proven.largest;
+    if (options.statistics_of_model) result.statistics_from_model = proven.statistics;
+  }
+  result.interrupted = options.check.interrupted();
+  result.samples = tally.looked_at();
+  result.unproved_samples = tally.unproved();
+  if (result.interrupted || rows.empty()) return result;
+
+  result.of_vertices = of_vertices(rows, options.percentiles);
+  if (!triangles.empty()) result.from_mesh = of_triangles(mesh, rows, triangles, options.percentiles);
+  if (result.from_model) {
+    result.hausdorff =
+        larger(result.from_mesh ? result.from_mesh->largest : result.of_vertices.largest, *result.from_model);
+  }
+  return result;
+}
+
+using verify::Direction;
+using verify::TriangleDistances;
+using verify::WeightedCell;
+
+namespace {
+
+const TriangleProof by_corners{{PieceProof::corners}, {}};
+
+/// The proof of each triangle; where a triangle is named twice, the last one's.
+std::vector<const TriangleProof*> proofs_of(const std::vector<DividedTriangle>& divided, std::size_t triangles) {
+  std::vector<const TriangleProof*> proofs(triangles, &by_corners);
+  for (const auto& [triangle, proof] : divided) {
+    if (triangle < triangles) proofs[triangle] = &proof;
+  }
+  return proofs;
+}
+
+/// The signed distance is 1-Lipschitz.
+Enclosure told_from(const Point& from, const Enclosure& there, const Point& x) {
+  return verify::widened(there, verify::distance_up(from, x));
+}
+
+/// Of the vertices that are told by others. `rows` holds those of the others.
+void tell(const Mesh& mesh, const std::vector<VertexProof>& proofs, std::vector<Enclosure>& rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::uint32_t from = proofs[i].told_by;
+    if (proofs[i].own || from >= rows.size() || !proofs[from].own) continue;
+    rows[i] = told_from(mesh.vertices[from], rows[from], mesh.vertices[i]);
+  }
+}
+
+/// What is claimed is of all pieces of all triangles: what a proof says nothing of counts with any distance.
+void add_up(const ContactTerms& terms, const std::vector<TriangleDistances>& triangles, ProvenContact& result) {
+  std::vector<WeightedCell> all;
+  std::vector<std::vector<WeightedCell>> by_region(terms.regions);
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    const std::vector<WeightedCell>& cells = triangles[n].cells;
+    all.insert(all.end(), cells.begin(), cells.end());
+    if (terms.regions == 0) continue;
+    std::vector<WeightedCell>& of_region = by_region[terms.region_of[n]];
+    of_region.insert(of_region.end(), cells.begin(), cells.end());
+  }
+  result.of_mesh = verify::area_within(all, terms.distance);
+  for (const std::vector<WeightedCell>& cells : by_region)
+    result.by_region.push_back(verify::area_within(cells, terms.distance));
+}
+
+/// Of what of the model's boundary lies on the primitives that count.
+AreaWithin surface_within(const Mesh& mesh, const ContactTerms& terms, const SurfaceCover& cover,
+                          const verify::ProvenSamples& samples, const verify::ProvenSignedDistance& distance,
+                          verify::CheckSteps& steps) {
+  constexpr AreaWithin anything{{0.0, infinity}, {0.0, infinity}, {0.0, 1.0}};
+  const auto surface = verify::covered_surface(cover, terms.counted, samples, distance, steps);
+  if (!surface || mesh.triangles.empty()) return anything;
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const auto cells = verify::boundary_cells(*surface, tree, infinity, steps);
+  return cells ? verify::area_within(*cells, terms.distance) : anything;
+}
+
+Enclosure in_percent(const Enclosure& share) {
+  return {std::max(0.0, verify::multiply(100.0, share.lo, Direction::down)),
+          std::min(100.0, verify::multiply(100.0, share.hi, Direction::up))};
+}
+
+}  // namespace
+
+ContactClaim claim_of(const AreaWithin& contact) {
+  return {contact.area, contact.within, in_percent(contact.share)};
+}
+
+std::array<Finding, 3> check(const ContactClaim& claimed, const AreaWithin& proven) {
+  const auto& [area, within, percent] = claim_of(proven);
+  return {check(claimed.area, area), check(claimed.within, within), check(claimed.percent, percent)};
+}
+
+bool are_proved(const ContactClaims& claimed, const ProvenContact& proven) {
+  const auto is_proved = [](const ContactClaim& claim, const AreaWithin& of) {
+    return std::ranges::all_of(check(claim, of), [](const Finding& f) { return f.verdict == Verdict::proved; });
+  };
+  return !proven.interrupted && is_proved(claimed.of_mesh, proven.of_mesh) &&
+         std::ranges::equal(claimed.by_region, proven.by_region, is_proved) &&
+         (!claimed.of_model || (proven.of_model && is_proved(*claimed.of_model, *proven.of_model)));
+}
+
+struct ContactChecker::State {
+  explicit State(const Model& of) : samples(of) {}
+
+  verify::ProvenSamples samples;
+};
+
+ContactChecker::ContactChecker(const Model& model) : state_(std::make_unique<State>(model)) {}
+ContactChecker::~ContactChecker() = default;
+ContactChecker::ContactChecker(ContactChecker&&) noexcept = default;
+ContactChecker& ContactChecker::operator=(ContactChecker&&) noexcept = default;
+
+ProvenContact ContactChecker::operator()(const Mesh& mesh, const ContactTerms& terms,
+                                         const ContactCertificate& certificate, const CheckOptions& options) const {
+  verify::SampleTally tally(state_->samples, options.interrupted);
+  const verify::SampleProofs proofs = tally.proofs();
+  const std::optional<SurfaceCover>& surface = certificate.surface;
+  verify::CheckSteps steps(
+      mesh.vertices.size() + mesh.triangles.size() + (surface ? 2 * verify::parts_of(*surface) : 0), options);
+  std::vector<Enclosure> rows(mesh.vertices.size(), {-infinity, infinity});
+  steps.each(rows.size(), [&](std::size_t i) {
+    if (const auto& own = certificate.vertices[i].own) rows[i] = tally(mesh.vertices[i], *own);
+  });
+  tell(mesh, certificate.vertices, rows);
+  const std::vector<const TriangleProof*> of_triangles = proofs_of(certificate.triangles, mesh.triangles.size());
+  std::vector<TriangleDistances> triangles(mesh.triangles.size());
+  steps.each(triangles.size(), [&](std::size_t n) {
+    const auto& [a, b, c] = mesh.triangles[n];
+    triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
+                                        {rows[a], rows[b], rows[c]}, *of_triangles[n], proofs);
+  });
+  ProvenContact result;
+  if (surface) result.of_model = surface_within(mesh, terms, *surface, state_->samples, proofs.distance, steps);
+  result.interrupted = options.interrupted();
+  result.samples = tally.looked_at();
+  result.unproved_samples = tally.unproved();
+  if (!result.interrupted) add_up(terms, triangles, result);
+  return result;
+}
+
+}  // namespace verisq

@@ -1,0 +1,71 @@
+/// A tree of triangles, and the distances of points and polygons to them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+// The distance of a point from a triangle, enclosed by one pass in floating point (docs/mathematics.md §20).
+
+/// Encloses the Euclidean distance from `point` to the closed triangle of exactly these corners, which may lie on a
+/// line or coincide. Coordinates so large that squares overflow, and distances below 2^-500, get wide enclosures.
+/// Precondition: finite.
+[[nodiscard]] Enclosure distance_from_triangle(const Point& point, const Triangle& triangle);
+
+/// Its upper end alone.
+[[nodiscard]] double distance_from_triangle_up(const Point& point, const Triangle& triangle);
+
+// A tree of boxes over triangles: the distance of a point from all of them, enclosed.
+
+/// Points are triangles whose corners coincide. Immutable: safe to ask from many threads.
+class TriangleTree {
+ public:
+  /// Precondition: at least one triangle, finite corners.
+  explicit TriangleTree(std::vector<Triangle> triangles);
+
+  struct Nearest {
+    Enclosure distance;      ///< to the nearest of all triangles
+    std::uint32_t triangle;  ///< one that is no farther than distance.hi, by `triangle(...)`
+  };
+
+  /// Precondition: finite.
+  [[nodiscard]] Nearest nearest(const Point& point) const;
+
+  /// Whether every triangle but n is proven to be farther than `reach` from the point.
+  [[nodiscard]] bool alone(const Point& point, double reach, std::uint32_t n) const;
+
+  [[nodiscard]] const Triangle& triangle(std::uint32_t n) const { return triangles_[n]; }
+
+ private:
+  /// Boxes are exact: least and greatest coordinates.
+  struct Node {
+    Point lower;
+    Point upper;
+    std::uint32_t first;  ///< triangle of a leaf, else the second child; the first follows its parent
+    std::uint32_t count;  ///< of triangles; 0 for an inner node
+  };
+
+  std::uint32_t build(std::span<Triangle> triangles, std::uint32_t first);
+
+  std::vector<Triangle> triangles_;
+  std::vector<Node> nodes_;
+};
+
+/// Each triangle of the mesh, or each vertex of a cloud as a triangle. Precondition: indices in range.
+[[nodiscard]] std::vector<Triangle> triangles_of(const Mesh& mesh);
+
+// How far the points of a small polygon lie from many triangles, at most: the polygon is cut along the sides of the
+// triangles that it lies over (docs/mathematics.md §20).
+
+/// An upper bound of the distance from the triangles over the convex hull of three points, that tries no harder than to
+/// come below `enough`. `first`: a triangle to begin with.
+[[nodiscard]] double farthest_of_polygon(std::span<const Point, 3> corners, const TriangleTree& triangles,
+                                         std::uint32_t first, double enough);
+
+}  // namespace verisq::verify

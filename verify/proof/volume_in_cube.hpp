@@ -1,0 +1,118 @@
+/// The volume of a swept solid in a cube.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/numbers/interval.hpp"
+#include "verify/numbers/norms.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/solids/cube.hpp"
+#include "verify/solids/moving_gauge.hpp"
+#include "verify/solids/paths.hpp"
+#include "verify/solids/superquadric.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+// How much of a cube lies in a set that half-spaces enclose from within and from without (docs/mathematics.md §23).
+
+/// Values at the corners of a cube, of which the one k lies at the larger x, y, z where bit 0, 1, 2 of k is set. They
+/// are those of a function that is linear on each of the six tetrahedra between the corner 0 and the corner 7 along the
+/// edges; meant is the part of the cube where it is not positive.
+using CornerHeights = std::array<Interval, 8>;
+
+/// Of a function that is linear on the whole cube: its value at the centre, and by how much it rises from there to the
+/// sides of larger x, y and z.
+[[nodiscard]] CornerHeights linear_heights(const Interval& at_centre, const Vector3<double>& rise);
+
+[[nodiscard]] CornerHeights negative(const CornerHeights& heights);
+
+/// The union of such parts; of none it is empty.
+using UnionOfParts = std::vector<CornerHeights>;
+
+/// The intersection of such unions; of none it is the whole cube.
+using PartOfCube = std::vector<UnionOfParts>;
+
+/// A set of which the one is a part, and which is a part of the other.
+struct BracketedPart {
+  PartOfCube inner;
+  PartOfCube outer;
+};
+
+/// Nothing of the cube, and nothing known.
+void leave_nothing(BracketedPart& part);
+void leave_unknown(BracketedPart& part);
+
+/// Encloses the volume of the set in a cube of this half-width.
+[[nodiscard]] Enclosure volume_in_cube(double half_width, const BracketedPart& part);
+
+/// That of the whole cube.
+[[nodiscard]] Interval volume_of_cube(double half_width);
+
+// What of a cube a convex primitive sweeps on its way, from within and from without (docs/mathematics.md §23).
+
+/// Of a leg of the path the shares from `begin` to `end`, in [0, 1].
+struct PartOfLeg {
+  std::uint32_t leg;
+  double begin;
+  double end;
+};
+
+/// Immutable: safe to ask from many threads.
+class SweptPrimitive {
+ public:
+  /// Precondition: the primitive is not bent. The path has to outlive this.
+  SweptPrimitive(const Primitive& primitive, const EnclosedPath& path);
+
+  [[nodiscard]] std::vector<PartOfLeg> whole_path() const;
+
+  /// A box that contains all that is swept.
+  [[nodiscard]] std::array<Interval, 3> box() const;
+
+  /// A time of a leg.
+  struct Moment {
+    std::uint32_t leg = 0;
+    double time = 0.0;
+  };
+
+  struct InCube {
+    std::vector<PartOfLeg> times = {};  ///< what is swept at others does not meet the cube; none: nothing does
+    CornerHeights outer = {};           ///< where there are times: all that is swept of the cube lies there
+    Moment deepest = {};                ///< likewise: when to look from within; proves nothing
+  };
+
+  /// Of what is swept at these times; once `interrupted`, which is polled, nothing of the kind is meant. Precondition:
+  /// what is swept at others does not meet the cube.
+  [[nodiscard]] InCube in(const Cube& cube, std::span<const PartOfLeg> times,
+                          const std::function<bool()>& interrupted) const;
+
+  /// A part of the cube that lies in the primitive about then.
+  [[nodiscard]] CornerHeights inner(const Cube& cube, const Moment& moment) const;
+
+ private:
+  struct Placement;
+  struct Facing;
+
+  [[nodiscard]] Placement placement(std::uint32_t leg, double time) const;
+  [[nodiscard]] MovingGauge moving_gauge(std::uint32_t leg) const;
+  [[nodiscard]] Facing facing(const Cube& cube, const PartOfLeg& times) const;
+  [[nodiscard]] double sag(const Cube& cube, const PartOfLeg& times) const;
+  [[nodiscard]] static bool is_beyond_nothing(const Facing& deepest);
+  [[nodiscard]] static bool is_above(const Facing& other, const Facing& deepest, double allowed);
+  [[nodiscard]] std::optional<double> middle_of(const PartOfLeg& times) const;
+
+  const EnclosedPath& path_;
+  SuperquadricBounds<Real> bounds_;
+  Matrix3<double> rotation_;     ///< from the primitive's own frame
+  Vector3<double> translation_;  ///< its origin: the focus
+  Interval radius_;              ///< of a sphere about it that contains the primitive
+  double smallest_semi_axis_;
+  NormFunction<double> gauge_;  ///< proposes
+};
+
+}  // namespace verisq::verify

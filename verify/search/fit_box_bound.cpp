@@ -1,0 +1,374 @@
+/// This file implements fit_box_bound.hpp.
+#include "verify/search/fit_box_bound.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "verify/numbers/points.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/proof/objective_bound.hpp"
+#include "verify/proposals/multipliers.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verify/solids/rigid_motion.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Room for the roundings of a distance, and for normals in binary32, which are a little longer than 1.
+constexpr double kRoundedUp = 1.0 + 0x1p-20;
+
+PointCluster cluster_of(std::span<const WeightedPoint> points) {
+  double weight = 0.0;
+  Vector3d sum = Vector3d::Zero();
+  for (const WeightedPoint& point : points) {
+    weight += point.weight;
+    sum += point.weight * point.place;
+  }
+  const Vector3d centre = points.size() > 1 && weight > 0.0 ? Vector3d(sum / weight) : points.front().place;
+  double radius = 0.0;
+  for (const WeightedPoint& point : points) radius = std::max(radius, (point.place - centre).norm() * kRoundedUp);
+  return {centre, radius, weight, 0};
+}
+
+}  // namespace
+
+std::vector<PointCluster> point_clusters(std::span<const WeightedPoint> points) {
+  return ball_tree<PointCluster>(points, cluster_of);
+}
+
+namespace {
+
+double turn_factor(const PoseUncertainty& bounds) {
+  return std::min(bounds.rotation, 2.0);
+}
+
+Vector3<double> exact(const Point& p) {
+  return {p[0], p[1], p[2]};
+}
+
+/// |a - b|, whose squares have digits of any size.
+Interval distance(const Point& a, const Point& b) {
+  return in_binary64(length<Real>(PreciseVector(precise(a) - precise(b))));
+}
+
+/// Two unit vectors across u and across each other, to a few roundings; of 0 any.
+std::array<Eigen::Vector3d, 2> across(const Point& u) {
+  if (u == Point{}) return {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  const Point direction = near_one(u);
+  const Eigen::Vector3d along(direction[0], direction[1], direction[2]);
+  const Eigen::Vector3d first = along.unitOrthogonal();
+  return {first, along.cross(first).normalized()};
+}
+
+}  // namespace
+
+DisplacedPoint::DisplacedPoint(const PoseUncertainty& bounds, const Point& point)
+    : point_(exact(point)),
+      translation_(bounds.translation),
+      arm_(point_ - exact(bounds.centre)),
+      turn_(turn_factor(bounds)),
+      arm_length_(distance(point, bounds.centre)),
+      shift_length_(distance(bounds.translation, {})),
+      reach_((turn_ * arm_length_ + shift_length_).upper()) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    Vector3<double> axis;
+    axis[i] = 1;
+    half_extent_[i] = std::min(reach_, support(axis));
+  }
+}
+
+double DisplacedPoint::support(const Vector3<double>& n) const {
+  const Interval n_length = length(n);
+  Interval most = turn_ * (length(cross(arm_, n)) + n_length * (turn_ * arm_length_ / Interval(2) + shift_length_));
+  for (std::size_t i = 0; i < 3; ++i) most += abs(n[i]) * Interval(translation_[i]);
+  return most.upper();
+}
+
+bool DisplacedPoint::avoids(const Point& centre, double radius) const {
+  const Vector3<double> from_point = exact(centre) - point_;
+  // Of a box of translations and of a disc across the arm: the ways out of each, and of both.
+  Vector3<double> out_of_box;
+  Vector3<double> along_arm = arm_;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = from_point[i].lower();
+    out_of_box[i] = x - std::clamp(x, -translation_[i], translation_[i]);
+    along_arm[i] = arm_[i].lower();
+  }
+  if (arm_.dot(from_point).upper() < 0.0) along_arm = -along_arm;
+  return separates(out_of_box, from_point, radius) || separates(along_arm, from_point, radius) ||
+         separates(from_point, from_point, radius);
+}
+
+/// The turned arm moves by sin θ (a × u), in a disc across the arm, which a polygon of twelve corners contains, and by
+/// a vector of at most κ²/2 |u|, for which the box of translations is enlarged.
+void DisplacedPoint::append_cover(std::vector<Point>& points) const {
+  constexpr unsigned corners = cover_size / 8;
+  const double turn = turn_.upper();
+  const double arm = arm_length_.upper();
+  const double radius = turn * arm / std::cos(std::numbers::pi / corners);
+  const double more = turn * (shift_length_.upper() + turn * arm / 2);
+  const auto [first, second] = across({arm_[0].lower(), arm_[1].lower(), arm_[2].lower()});
+  for (unsigned k = 0; k < corners; ++k) {
+    const double angle = 2 * std::numbers::pi * k / corners;
+    const Eigen::Vector3d at = radius * (std::cos(angle) * first + std::sin(angle) * second);
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      Point corner;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double half = translation_[i] + more;
+        corner[i] = point_[i].lower() + at[static_cast<Eigen::Index>(i)] + ((octant >> i & 1U) != 0 ? half : -half);
+      }
+      points.push_back(corner);
+    }
+  }
+}
+
+/// A corner's coordinate is made of fewer than 64 operations on numbers that are at most 4 (|p| + |u| + reach) large,
+/// each of which rounds by 2⁻⁵³ of its result: together less than 2⁻⁴⁵ of that sum a coordinate. Directions are about 1
+/// long, made of numbers about 1. A result below 2⁻¹⁰²² rounds by at most 2⁻¹⁰⁷⁵ instead, and what follows makes that
+/// at most 16 times as large: together less than 2⁻¹⁰⁶⁵, far below the smallest normal number.
+double DisplacedPoint::cover_error() const {
+  const Interval from_origin = distance({point_[0].lower(), point_[1].lower(), point_[2].lower()}, {});
+  const Interval size = from_origin + arm_length_ + Interval(reach_);
+  return (size * Interval(0x1p-44) + Interval(std::numeric_limits<double>::min())).upper();
+}
+
+bool DisplacedPoint::separates(const Vector3<double>& n, const Vector3<double>& from_point, double radius) const {
+  return (n.dot(from_point) - Interval(radius) * length(n)).lower() > support(n);
+}
+
+double reach_of(const PoseUncertainty& bounds, const Model& model) {
+  const Box box = bounding_box(model);
+  Vector3<double> farthest;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Interval centre(bounds.centre[i]);
+    farthest[i] = std::max(abs(Interval(box.lower[i]) - centre).upper(), abs(Interval(box.upper[i]) - centre).upper());
+  }
+  return (Interval(turn_factor(bounds)) * length(farthest) + length(exact(bounds.translation))).upper();
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Room for the roundings of one point's terms.
+constexpr double kTermRounding = 0x1p-46;
+/// Of the limit at the points, the tightest.
+constexpr std::ptrdiff_t kMostConstraints = 32;
+/// Clusters are taken whole where the box moves them by more than so many of their radii, or where they are as far off:
+/// what they cost is of the square of that.
+constexpr double kClusterByReach = 0.5;
+constexpr double kClusterByDistance = 0.2;
+
+/// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
+/// fitness say something already: next to nothing.
+constexpr double kShareOfMovement = 1e-6;
+
+/// More than what underflows in thousands of operations.
+constexpr double kUnderflow = 0x1p-1000;
+
+/// Σ λ c + Σ half |objective + Σ λ a|, rounded up: what no δ of the box that keeps the constraints exceeds.
+double dual_value(const PoseParameters& objective, const PoseParameters& half,
+                  std::span<const LinearConstraint> constraints, std::span<const double> multipliers) {
+  double constant = 0.0;
+  double magnitude = objective.cwiseAbs().dot(half);
+  PoseParameters slope = objective;
+  for (std::size_t j = 0; j < constraints.size(); ++j) {
+    if (multipliers[j] == 0.0) continue;
+    constant += multipliers[j] * constraints[j].constant;
+    slope += multipliers[j] * constraints[j].slope;
+    magnitude += multipliers[j] * (std::abs(constraints[j].constant) + constraints[j].slope.cwiseAbs().dot(half));
+  }
+  return constant + slope.cwiseAbs().dot(half) + magnitude * 0x1p-40 + kUnderflow;
+}
+
+}  // namespace
+
+/// What the points of one box add up to.
+class FitBoxBound::Sum {
+ public:
+  Sum(const FitBoxBound& bound, const PoseBoxMotion& motion)
+      : bound_(bound), motion_(motion), steepest_(steepest_fitness_in_binary64(bound.fitness_)) {}
+
+  /// False where no pose of the box keeps the limit.
+  bool keeps_limit() {
+    visit_balls(clusters(), [this](const PointCluster& cluster) { return look_for_depth(cluster); });
+    if (too_deep_) return false;
+    if (constraints_.size() < 2) return true;
+    if (std::ssize(constraints_) > kMostConstraints) {
+      std::ranges::nth_element(constraints_, constraints_.begin() + kMostConstraints, {}, &LinearConstraint::tightness);
+      constraints_.resize(kMostConstraints);
+    }
+    // Whether the constraints leave anything does not depend on the objective.
+    return !excluded(shares_of_nearest_.cwiseQuotient(motion_.half()));
+  }
+
+  void add_all() {
+    visit_balls(clusters(), [this](const PointCluster& cluster) { return add(cluster); });
+  }
+
+  FitBoxResult result() {
+    const PoseParameters& half = motion_.half();
+    const double by_lines = constant_ + slope_.cwiseAbs().dot(half);
+    const Multipliers found = multipliers(slope_, half, constraints_);
+    if (found.ray && excludes(found)) return FitBoxResult::nothing();
+    const double by_constraints =
+        found.ray ? infinity : constant_ + dual_value(slope_, half, constraints_, found.values);
+    const double least = std::min({by_ranges_, by_lines, by_constraints});
+    // Sums of no more terms than points, each of a few roundings of numbers that add up to the magnitude.
+    const auto points = static_cast<double>(bound_.points_);
+    const double lost = (points * 0x1p-51 + kTermRounding) * magnitude_ + kUnderflow;
+    // Where every point may serve as well as can be, ranges of fitness do not tell which direction matters.
+    const bool says_nothing = !(least + lost < bound_.weight_);
+    const double share = says_nothing ? 1.0 : kShareOfMovement;
+    return {.upper = std::min(least + lost, bound_.weight_),
+            .estimate = estimate_,
+            .deepest = deepest_,
+            .spread = spread_ + share * steepest_ * movement()};
+  }
+
+ private:
+  /// By how far each direction moves the points, weighted, at most and about.
+  [[nodiscard]] PoseParameters movement() const {
+    PoseParameters movement = motion_.half();
+    movement.head<3>() *= bound_.weight_;
+    movement.tail<3>() *= arms_;
+    return movement;
+  }
+
+  [[nodiscard]] std::span<const PointCluster> clusters() const { return bound_.clusters_; }
+
+  /// Points that are in the implant at the centre, or could get there.
+  bool look_for_depth(const PointCluster& cluster) {
+    if (too_deep_) return false;
+    const PoseBoxMotion::Place place = motion_.place(cluster.centre);
+    const DistanceField::Found found = bound_.field_.near(place.point);
+    const double least =
+        std::min({found.node.nearest[0].distance(place.point), found.node.nearest[1].distance(place.point),
+                  found.node.others - (place.point - found.place).norm()});
+    if (least > cluster.radius + 0.5 * place.reach) return false;
+    if (cluster.second != 0) return true;
+    if (found.node.ball >= 0) too_deep_ = !constrain(place, bound_.field_.ball(found.node));
+    return false;
+  }
+
+  /// Whether the cluster is too coarse.
+  bool add(const PointCluster& cluster) {
+    const PoseBoxMotion::Place place = motion_.place(cluster.centre);
+    const DistanceField::Found found = bound_.field_.near(place.point);
+    const RoundedHalfSpace& first = found.node.nearest[0];
+    const RoundedHalfSpace& second = found.node.nearest[1];
+    const double distance = first.distance(place.point) - bound_.rounding_;
+    const double of_second = second.distance(place.point) - bound_.rounding_;
+    const double of_others = found.node.others - (place.point - found.place).norm() - bound_.rounding_;
+    const double least = std::min({distance, of_second, of_others});
+    if (cluster.second != 0 && cluster.radius > kClusterByReach * place.reach &&
+        cluster.radius > kClusterByDistance * (least - place.reach))
+      return true;
+    deepest_ = std::max(deepest_, -least);
+    const double at_centre = falling_fitness(bound_.fitness_, least);
+    estimate_ += cluster.weight * at_centre;
+
+    const PoseParameters by_pose = motion_.slope(place, first.direction());
+    const PoseParameters shares = by_pose.cwiseAbs().cwiseProduct(motion_.half());
+    const double half = shares.sum();
+    const double middle = distance - place.remainder;
+    const double others = std::min(of_second, of_others) - place.reach;
+    const double lowest = std::min(std::max(middle - half, distance - place.reach), others) - cluster.radius;
+    const double by_range = falling_fitness(bound_.fitness_, lowest);
+    by_ranges_ += cluster.weight * by_range;
+
+    FitnessLine line = fitness_line_above(bound_.fitness_, middle, half + cluster.radius);
+    if (middle + half > others - 2.0 * cluster.radius) {
+      // Another primitive may be nearer: no more than the steepest fitness times what it is nearer by.
+      const PoseParameters by_second = motion_.slope(place, second.direction()) - by_pose;
+      const double nearer_second = distance - of_second + by_second.cwiseAbs().dot(motion_.half()) +
+                                   (first.direction() - second.direction()).norm() * cluster.radius;
+      const double nearer_other = middle + half - (of_others - place.reach) + 2.0 * cluster.radius;
+      line.value += steepest_ * std::max({nearer_second, nearer_other, 0.0});
+      if (line.value >= by_range) line = {by_range, 0.0};
+    }
+    constant_ += cluster.weight * line.value;
+    slope_ += cluster.weight * line.slope * by_pose;
+    arms_ += cluster.weight * (place.arm.norm() + cluster.radius);
+    magnitude_ += cluster.weight * (1.0 + std::abs(line.slope) * (half + cluster.radius));
+    // What the range of distances costs, shared by the directions that make it.
+    if (half > 0.0) spread_ += cluster.weight * (by_range - at_centre) / half * shares;
+    return false;
+  }
+
+  /// A pose that keeps the limit has no point in a ball that much smaller. False: every pose of the box has this one.
+  bool constrain(const PoseBoxMotion::Place& place, const InnerBall& ball) {
+    const Eigen::Vector3d from_ball = place.point - ball.centre;
+    const double length = from_ball.norm();
+    const double depth_left = length - ball.radius + bound_.penetration_limit_ + bound_.rounding_;
+    if (depth_left > place.reach) return true;
+    if (depth_left < -place.reach) return false;
+    if (!(length > 0.0)) return true;
+    const PoseParameters outward = motion_.slope(place, from_ball / length);
+    const PoseParameters shares = outward.cwiseAbs().cwiseProduct(motion_.half());
+    const double range = shares.sum();
+    const double constant = depth_left + place.remainder + place.reach * place.reach / (2.0 * length) * (1.0 + 0x1p-48);
+    if (constant + range < 0.0) return false;
+    if (constant < range) constraints_.push_back({constant, outward, constant / range});
+    if (depth_left + place.reach < nearest_to_exclude_) {
+      nearest_to_exclude_ = depth_left + place.reach;
+      shares_of_nearest_ = shares;
+    }
+    return true;
+  }
+
+  /// Whether the constraints leave no pose of the box.
+  [[nodiscard]] bool excluded(const PoseParameters& objective) const {
+    const Multipliers found = multipliers(objective, motion_.half(), constraints_);
+    return found.ray && excludes(found);
+  }
+
+  [[nodiscard]] bool excludes(const Multipliers& ray) const {
+    return dual_value(PoseParameters::Zero(), motion_.half(), constraints_, ray.values) < 0.0;
+  }
+
+  const FitBoxBound& bound_;
+  const PoseBoxMotion& motion_;
+  double steepest_;
+  double by_ranges_ = 0.0;
+  double constant_ = 0.0;
+  PoseParameters slope_ = PoseParameters::Zero();
+  double magnitude_ = 0.0;
+  double estimate_ = 0.0;
+  double arms_ = 0.0;  ///< weighted lengths from where the implant turns
+  double deepest_ = 0.0;
+  PoseParameters spread_ = PoseParameters::Zero();
+  std::vector<LinearConstraint> constraints_;
+  bool too_deep_ = false;
+  double nearest_to_exclude_ = infinity;
+  PoseParameters shares_of_nearest_ = PoseParameters::Ones();
+};
+
+FitBoxBound::FitBoxBound(const PoseSpace& space, const DistanceField& field, std::span<const WeightedPoint> points,
+                         const Fitness& fitness, double penetration_limit, double size)
+    : space_(space),
+      field_(field),
+      clusters_(point_clusters(points)),
+      points_(points.size()),
+      fitness_(fitness),
+      penetration_limit_(penetration_limit),
+      rounding_(PoseBoxMotion::rounding(size)),
+      weight_(clusters_.front().weight * (1.0 + static_cast<double>(points.size()) * 0x1p-51)) {}
+
+FitBoxResult FitBoxBound::operator()(const PoseBox& box) const {
+  const PoseBoxMotion motion(space_, box, rounding_);
+  Sum sum(*this, motion);
+  if (!sum.keeps_limit()) return FitBoxResult::nothing();
+  sum.add_all();
+  return sum.result();
+}
+
+}  // namespace verisq::verify

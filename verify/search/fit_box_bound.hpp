@@ -1,0 +1,160 @@
+/// Bounds of a fit's objective on boxes of poses.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "verify/numbers/vector.hpp"
+#include "verify/search/distance_field.hpp"
+#include "verisq/clearance.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/map.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+// A straight line above the fitness over a range of distances.
+
+/// f(max(d, target)): no smaller than f, and falls or stays with d. But for a few 2^-53.
+[[nodiscard]] inline double falling_fitness(const Fitness& fitness, double distance) {
+  const double u = std::max(distance - fitness.target, 0.0) / fitness.scale;
+  return 1.0 / (1.0 + u * u);
+}
+
+/// The largest of |f'|: at 1/√3 of the scale beyond the target, 3√3/8 a scale; rounded up.
+[[nodiscard]] inline double steepest_fitness_in_binary64(const Fitness& fitness) {
+  return 0.6495190528383291 / fitness.scale;
+}
+
+/// f(max(d, target)) <= value + slope (d - middle) for every d within `half` of the middle, but for a few 2^-53.
+struct FitnessLine {
+  double value;
+  double slope;  ///< <= 0
+};
+
+// With u = (d - target)/scale, g(u) = 1/(1 + max(u, 0)²) is concave up to 1/√3 and convex beyond. Its concave envelope
+// over [l, v] is g up to t, where the tangent runs through (v, g(v)), and that straight line from there: the tangency
+// is (t - v)²(t² + 2vt - 1) = 0, of which t = 1/(v + √(1 + v²)) is the root below v where v > 1/√3; elsewhere t >= v
+// and g is concave all along. Where l lies beyond t the chord of l and v is the envelope. Any line that supports the
+// envelope at a point of it lies above g: here at the middle.
+[[nodiscard]] inline FitnessLine fitness_line_above(const Fitness& fitness, double middle, double half) {
+  const double m = (middle - fitness.target) / fitness.scale;
+  const double h = half / fitness.scale;
+  const double v = m + h;
+  if (v <= 0.0) return {1.0, 0.0};
+  const double t = 1.0 / (v + std::sqrt(1.0 + v * v));
+  if (m <= t || v <= t) {
+    const double at = std::max(m, 0.0);
+    const double g = 1.0 / (1.0 + at * at);
+    return {g, -2.0 * at * g * g / fitness.scale};
+  }
+  const double p = std::max(m - h, t);
+  const double of_p = 1.0 / (1.0 + p * p);
+  const double slope = -(v + p) * of_p / (1.0 + v * v);
+  return {of_p + slope * (m - p), slope / fitness.scale};
+}
+
+// Weighted points in a tree of balls: bounds of sums over many points ask few of the balls.
+
+/// A point of the cavity and its weight.
+struct WeightedPoint {
+  Eigen::Vector3d place;
+  double weight;  ///< >= 0
+};
+
+/// All points of a ball about their centre of mass: the sum of weight times (place - centre) is 0, but for roundings.
+/// A leaf is one point, at the centre, of radius 0.
+struct PointCluster {
+  Eigen::Vector3d centre;
+  double radius;         ///< rounded up
+  double weight;         ///< of all, to nearest
+  std::uint32_t second;  ///< index of the second child; the first follows its parent; 0: a leaf
+};
+
+/// The root is the first. Precondition: at least one point.
+[[nodiscard]] std::vector<PointCluster> point_clusters(std::span<const WeightedPoint> points);
+
+// Where a point may lie as a model sees it whose pose is known within bounds (docs/mathematics.md §27).
+
+/// The places E⁻¹(p) of a point p, E any of the uncertain motions.
+class DisplacedPoint {
+ public:
+  /// Precondition: everything is finite, bounds are at least 0.
+  DisplacedPoint(const PoseUncertainty& bounds, const Point& point);
+
+  /// No place is farther from the point than this: rounded up.
+  [[nodiscard]] double reach() const { return reach_; }
+
+  /// Half the edges of a box about the point that contains all places: rounded up.
+  [[nodiscard]] const std::array<double, 3>& half_extent() const { return half_extent_; }
+
+  /// Whether it is proven that no place is within `radius` of `centre`.
+  [[nodiscard]] bool avoids(const Point& centre, double radius) const;
+
+  /// n·y is at most this for every place point + y, and every n of the box: rounded up.
+  [[nodiscard]] double support(const Vector3<double>& n) const;
+
+  static constexpr std::size_t cover_size = std::size_t{8} * 12;
+  /// Adds that many points; every place lies within `cover_error` of their convex hull.
+  void append_cover(std::vector<Point>& points) const;
+  [[nodiscard]] double cover_error() const;
+
+ private:
+  [[nodiscard]] bool separates(const Vector3<double>& n, const Vector3<double>& from_point, double radius) const;
+
+  Vector3<double> point_;
+  std::array<double, 3> translation_;
+  Vector3<double> arm_;  ///< from the centre to the point
+  Interval turn_;        ///< κ
+  Interval arm_length_;
+  Interval shift_length_;  ///< of the longest translation
+  double reach_;
+  std::array<double, 3> half_extent_{};
+};
+
+/// The farthest that the motions take any point of the box about a model, itself or seen from it: rounded up.
+[[nodiscard]] double reach_of(const PoseUncertainty& bounds, const Model& model);
+
+// No pose of a box that keeps the limit has a larger objective than this (docs/mathematics.md §24).
+
+struct FitBoxResult {
+  double upper;           ///< F of every pose of the box that keeps the limit at the points; -infinity: none does
+  double estimate;        ///< F at the centre, about; no proof
+  double deepest;         ///< of a point at the centre, about; no proof
+  PoseParameters spread;  ///< what each parameter adds to the bound, about: the widest is to be divided
+
+  /// No pose keeps the limit.
+  [[nodiscard]] static FitBoxResult nothing() {
+    return {.upper = -infinity, .estimate = 0.0, .deepest = 0.0, .spread = PoseParameters::Zero()};
+  }
+};
+
+/// Evaluates boxes for one implant; any number of threads may ask.
+class FitBoxBound {
+ public:
+  /// Keeps references. Coordinates of points, poses and implant add up to at most `size`.
+  FitBoxBound(const PoseSpace& space, const DistanceField& field, std::span<const WeightedPoint> points,
+              const Fitness& fitness, double penetration_limit, double size);
+
+  [[nodiscard]] FitBoxResult operator()(const PoseBox& box) const;
+
+ private:
+  class Sum;
+
+  const PoseSpace& space_;
+  const DistanceField& field_;
+  std::vector<PointCluster> clusters_;
+  std::size_t points_;
+  Fitness fitness_;
+  double penetration_limit_;
+  double rounding_;
+  double weight_;  ///< of all points, rounded up
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,93 @@
+/// The smallest distance along a path.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "verify/proof/pair_checker.hpp"
+#include "verify/search/solid_pair_distance.hpp"
+#include "verify/solids/paths.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+// What is asked of two models at the moments of a path.
+
+/// Of one leg; both ends are exact binary64 numbers, as is the middle of what may still be halved.
+struct Stretch {
+  std::size_t leg;
+  double begin, end;         ///< times of the path
+  double lower = -infinity;  ///< of the distance, at all its times
+
+  [[nodiscard]] double middle() const { return 0.5 * (begin + end); }
+  [[nodiscard]] double reach() const { return 0.5 * (end - begin); }
+};
+
+/// What was found at the middle of a stretch.
+struct ExaminedStretch {
+  double time;
+  double lower;  ///< over the stretch
+  double upper;  ///< at the middle; 0 where a common point is proven
+};
+
+/// Two models, one of which moves.
+class PathMoments {
+ public:
+  PathMoments() = default;
+  PathMoments(const PathMoments&) = delete;
+  PathMoments& operator=(const PathMoments&) = delete;
+  virtual ~PathMoments() = default;
+
+  /// Where the distance is proven to be more than `enough`, at all times of the stretch, nothing closer is asked.
+  [[nodiscard]] virtual ExaminedStretch examine(const Stretch& stretch, double enough) const = 0;
+};
+
+// Unions of convex primitives on their way: planes that stay between two of them prove whole stretches of time
+// (docs/mathematics.md §26).
+
+class ConvexMoments : public PathMoments {
+ public:
+  /// B moves. Precondition: unions of convex primitives. The path must outlive this.
+  ConvexMoments(const PosedPath& path, const Model& a, const Model& b) : path_(&path), a_(a), b_(b) {}
+
+  /// Pairs whose distance is proven to be more than `enough` by their spheres are not looked at closer.
+  [[nodiscard]] ExaminedStretch examine(const Stretch& stretch, double enough) const override;
+
+ private:
+  const PosedPath* path_;
+  PosedPrimitives a_;
+  PosedPrimitives b_;
+};
+
+// Any two models on their way, bent or built by set operations: planes that stay between sections of primitives, or
+// the distance at a moment and how fast points move, prove a stretch of time (docs/mathematics.md §26).
+
+class SearchedMoments : public PathMoments {
+ public:
+  /// B moves. Distances are enclosed to a quarter of `tolerance` at best. `interrupted`, polled, ends searches. The
+  /// path must outlive this.
+  SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
+                  std::function<bool()> interrupted);
+
+  [[nodiscard]] ExaminedStretch examine(const Stretch& stretch, double enough) const override;
+
+ private:
+  /// How far the distance at any of its times lies from that at the moment, at most.
+  [[nodiscard]] PreciseInterval change(const ShortMotion& motion) const;
+
+  /// How far a point of B is from where it is at the exact pose, at most.
+  [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
+
+  /// Whether a point of A's is proven to lie in B, too, at the exact pose.
+  [[nodiscard]] bool is_in_b(const Point& x, const RigidMotion& exact) const;
+
+  const PosedPath* path_;
+  PairSearch search_;
+  ModelPair pair_;
+  EnclosingSphere sphere_a_;
+  EnclosingSphere sphere_b_;
+  double tolerance_;
+  std::function<bool()> interrupted_;
+};
+
+}  // namespace verisq::verify

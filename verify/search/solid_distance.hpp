@@ -1,0 +1,71 @@
+/// Signed distances of points to models with bends or set operations, and to any model.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "verify/solids/cube.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+// Signed distance of a point to any model, by branch and bound over cubes (docs/mathematics.md §10, §11).
+
+/// Throws Error(input), "tolerance = VALUE: must be at least 0", for every search; NaN is none.
+void require_tolerance(double tolerance);
+
+class SolidDistance {
+ public:
+  explicit SolidDistance(const Model& model);
+  ~SolidDistance();
+  SolidDistance(SolidDistance&&) noexcept;
+  SolidDistance& operator=(SolidDistance&&) noexcept;
+
+  /// Encloses the exact signed distance; works until it is at most `tolerance` wide, the budget of cubes is spent or
+  /// `interrupted` (polled) says so: then it is valid, and wide. `known` is what is proven already.
+  [[nodiscard]] Enclosure operator()(const Point& x, double tolerance, const Enclosure& known,
+                                     const std::function<bool()>& interrupted) const;
+
+  /// A point proven to lie in the solid, or with Side::outside beyond it, hardly farther from x than any is; nothing
+  /// where none was found.
+  [[nodiscard]] std::optional<Point> nearest(const Point& x, Side side, double tolerance,
+                                             const std::function<bool()>& interrupted) const;
+  [[nodiscard]] std::optional<Point> escape(const Point& x, double tolerance,
+                                            const std::function<bool()>& interrupted) const {
+    return nearest(x, Side::outside, tolerance, interrupted);
+  }
+
+  /// Of a point.
+  [[nodiscard]] Colour colour(const Point& x) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Signed distances to set operations, closest points, uncertain sizes.
+
+/// Let the ball about x that just holds the nearest surface point p of a primitive K be such that every other primitive
+/// has it all inside or all outside, or does not matter within it, whatever lies in K; then the model is K there, or
+/// what K leaves, and p is its nearest surface point, too (docs/mathematics.md §25). Immutable: safe to call from many
+/// threads.
+class SetClosestPoint {
+ public:
+  explicit SetClosestPoint(const Model& model);
+  ~SetClosestPoint();
+  SetClosestPoint(SetClosestPoint&&) noexcept;
+  SetClosestPoint& operator=(SetClosestPoint&&) noexcept;
+
+  /// Nothing where no primitive decides. `farthest`: an upper bound of the distance of x to the model's surface, which
+  /// only saves time; infinite where nothing is known.
+  [[nodiscard]] std::optional<ClosestPoint> operator()(const Point& x, double farthest) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,101 @@
+/// Balls around solids, and covers that certify the distance of two.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "verify/proof/exact_checker.hpp"
+#include "verify/search/solid_distance.hpp"
+#include "verify/search/solid_pair_cells.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+// The distance of a union of convex primitives from any solid, from below: that of the centres of balls that enclose
+// them, less their radii. The head of a joint is a ball, or nearly one, and all of its cup may be about as far from it
+// as the nearest point is.
+
+struct Ball {
+  Point centre;
+  double radius;
+};
+
+/// Balls that the model's set operations take away, in its frame.
+[[nodiscard]] std::vector<Ball> hollows(const Model& model);
+
+/// About the multiplier that bounds the distance of the primitive's points from x, of the model's frame, best
+/// (verify/proof/solid_pair.hpp).
+[[nodiscard]] double multiplier_about(const Primitive& primitive, const Point& x);
+
+/// That bound.
+[[nodiscard]] double farthest_up(const Primitive& primitive, const Point& x);
+
+/// Balls that hold the primitive and may be far from the other model; `hollows` of that, and all else, in the frame of
+/// the primitive's own. None where it is not nearly round and lies in no hollow.
+[[nodiscard]] std::vector<Ball> enclosing_balls(const Primitive& primitive, std::span<const Ball> hollows);
+
+class EnclosingBalls {
+ public:
+  /// Nothing unless the model is a union of convex primitives, of a few.
+  [[nodiscard]] static std::optional<EnclosingBalls> of(const Model& model);
+
+  /// Whether no hollow is needed.
+  [[nodiscard]] bool all_are_balls() const;
+
+  /// A lower bound of the distance of these primitives, in A's frame, from B's solid, or the other way round; minus
+  /// infinity where nothing is proven. A ball is its own enclosing one. Any other primitive has to lie in a hollow of
+  /// the other solid: the enclosing ball about the hollow's centre is as far from the hollow's wall as the primitive
+  /// is. Where it leaves the hollow, the ball about its own centre may serve. Distances of centres are searched for to
+  /// `tolerance`.
+  [[nodiscard]] double lower_from_b(const SolidDistance& b, std::span<const Ball> hollows_of_b,
+                                    const BoundedMotion& motion, double tolerance,
+                                    const std::function<bool()>& interrupted) const;
+  [[nodiscard]] double lower_from_a(const SolidDistance& a, std::span<const Ball> hollows_of_a,
+                                    const BoundedMotion& motion, double tolerance,
+                                    const std::function<bool()>& interrupted) const;
+
+ private:
+  /// A centre in the frame of the other solid, and a bound of how far it lies from there.
+  struct Located {
+    Point centre;
+    double off;
+  };
+
+  [[nodiscard]] double lower_from(const SolidDistance& solid, std::span<const Ball> hollows,
+                                  const std::function<Located(const Point&)>& locate, double tolerance,
+                                  const std::function<bool()>& interrupted) const;
+
+  explicit EnclosingBalls(std::vector<Primitive> primitives) : primitives_(std::move(primitives)) {}
+
+  std::vector<Primitive> primitives_;
+};
+
+// What proves the distance of two solids again, where planes between sections of their primitives, or balls about
+// these, or covers of their neighbourhoods do.
+
+/// A model, and what searches make of it.
+struct SearchedModel {
+  explicit SearchedModel(const Model& of) : model(of), solid(of), places(of) {}
+
+  Model model;
+  SearchSolid solid;
+  ExactChecker places;
+};
+
+/// Of a cover; about a neck beside a rim it has some 200.
+inline constexpr std::size_t most_cells_about_a_primitive = 1000;
+
+/// Planes alone: they lose least while a model moves.
+[[nodiscard]] PairCertificate planes_between(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
+                                             const SearchedDistance& found, const SearchOptions& options);
+
+/// As ModelSearch::certified says.
+[[nodiscard]] PairCertificate certificate_of(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
+                                             const SearchedDistance& found, const SearchOptions& options);
+
+}  // namespace verisq::verify
