@@ -83,20 +83,11 @@ void count(const CheckedRow& row, CheckReport& report) {
   }
 }
 
-const char* name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::proved: return "proved";
-    case Verdict::refuted: return "refuted";
-    case Verdict::unproved: break;
-  }
-  return "unproved";
-}
-
 std::string verdicts_in_words(std::string_view claims, const VerdictCounts& counts) {
   std::string text = fmt::format("{:<21}{}\n", claims, counts.all());
-  text += fmt::format("  {:<19}{}\n", name_of(Verdict::proved), counts.proved);
-  text += fmt::format("  {:<19}{}\n", name_of(Verdict::refuted), counts.refuted);
-  return text + fmt::format("  {:<19}{}\n", name_of(Verdict::unproved), counts.unproved);
+  text += fmt::format("  {:<19}{}\n", to_string(Verdict::proved), counts.proved);
+  text += fmt::format("  {:<19}{}\n", to_string(Verdict::refuted), counts.refuted);
+  return text + fmt::format("  {:<19}{}\n", to_string(Verdict::unproved), counts.unproved);
 }
 
 std::string reason(const Enclosure& claimed, const Finding& finding) {
@@ -117,6 +108,46 @@ std::string unbounded_in_words(std::uint64_t count) {
   return fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", count);
 }
 
+std::string unbounded_above_in_words(std::uint64_t count) {
+  if (count == 0) return {};
+  return fmt::format("  WITHOUT AN END     {}: of these nothing is claimed from above\n", count);
+}
+
+std::string claims_in_words(const JudgedAnswer& judged, const std::function<std::string(const JudgedClaim&)>& words,
+                            const std::function<std::string(std::uint64_t)>& unbounded,
+                            const std::function<std::string(const JudgedClaim&)>& units) {
+  std::string text = verdicts_in_words("claims", counted(judged.claims, &JudgedClaim::finding));
+  text += unbounded(judged.unbounded());
+  for (const JudgedClaim& claim : judged.claims) {
+    text += fmt::format("  {:<8} {}\n", to_string(claim.finding.verdict), words(claim));
+    if (claim.finding.verdict != Verdict::proved)
+      text += fmt::format("           proven of it: {}{}\n", exact_text(claim.finding.proven), units(claim));
+  }
+  return text;
+}
+
+JsonValue claims_of(const JudgedAnswer& judged, const std::function<JsonObject(const JudgedClaim&)>& head) {
+  JsonValue::Array claims;
+  for (const JudgedClaim& claim : judged.claims) {
+    JsonObject object = head(claim);
+    object.set("verdict", to_string(claim.finding.verdict));
+    object.set("claimed", claim.claimed);
+    object.set("proven", claim.finding.proven);
+    claims.push_back(std::move(object));
+  }
+  return claims;
+}
+
+std::string end_in_words(const JudgedAnswer& judged, double seconds, const CheckArguments& arguments) {
+  return fmt::format("time                 {:.3g} s\n", seconds) +
+         fmt::format("certificate          {}{}\n", quotation(arguments.certificate), mark_of_end(judged.interrupted));
+}
+
+ExitStatus status_of(const JudgedAnswer& judged) {
+  if (judged.interrupted) return status_of_end();
+  return judged.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
+}
+
 std::string exact_text(const Enclosure& enclosure) {
   return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
 }
@@ -130,7 +161,7 @@ std::string verdicts_in_words(const CheckReport& report) {
 
 std::string readable(const CheckedRow& row, MapElements elements) {
   const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
-  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
+  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", to_string(row.finding.verdict), singular(elements),
                           row.index, position, reason(row.claimed, row.finding));
   text += fmt::format("  claimed            {}\n", exact_text(row.claimed));
   text += fmt::format("  proven             {}\n", exact_text(row.finding.proven));
@@ -138,7 +169,7 @@ std::string readable(const CheckedRow& row, MapElements elements) {
 }
 
 JsonObject object_of(const CheckedRow& row, MapElements elements) {
-  return {{"verdict", name_of(row.finding.verdict)},
+  return {{"verdict", to_string(row.finding.verdict)},
           {"index", row.index},
           {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
           {"claimed", row.claimed},
@@ -198,13 +229,6 @@ void refuse_other_count(std::span<const SubjectFile> expected, const Certificate
   }
 }
 
-void refuse_other_digest(const std::string& digest, const std::string& file, const char* what,
-                         const SubjectFile& expected, const std::string& certificate) {
-  if (digest == expected.sha256) return;
-  refuse(fmt::format("{}: {} is about another {}: its SHA-256 is {}, not {}", file, certificate, what, expected.sha256,
-                     digest));
-}
-
 struct CertificateReport {
   std::string certificate;
   std::vector<std::string> models;
@@ -224,7 +248,7 @@ std::string reason_of(const CertificateReport& report) {
 std::string readable(const CertificateReport& report) {
   const std::string units = units_behind(report.units);
   std::string text =
-      fmt::format("verdict            {}\n", report.ended_early ? "not judged" : name_of(report.finding.verdict));
+      fmt::format("verdict            {}\n", report.ended_early ? "not judged" : to_string(report.finding.verdict));
   if (const std::string why = reason_of(report); !why.empty()) text += fmt::format("  reason           {}\n", why);
   text += fmt::format("  claimed          {}{}\n", exact_text(report.claimed), units);
   text += fmt::format("  proven           {}{}\n", exact_text(report.finding.proven), units);
@@ -240,7 +264,7 @@ std::string readable(const CertificateReport& report) {
 std::string json(const CertificateReport& report) {
   const std::string why = reason_of(report);
   const JsonObject object{{"kind", "pair"},
-                          {"verdict", report.ended_early ? JsonValue() : JsonValue(name_of(report.finding.verdict))},
+                          {"verdict", report.ended_early ? JsonValue() : JsonValue(to_string(report.finding.verdict))},
                           {"claimed", report.claimed},
                           {"proven", report.finding.proven},
                           {"reason", why.empty() ? JsonValue() : JsonValue(why)},
@@ -289,27 +313,6 @@ void refuse_other_poses(const std::string& file, std::span<const Pose> poses, co
 std::string meant_in_words(const std::string& file, std::string_view way) {
   if (!file.empty()) return fmt::format("  is that of         {}, pose by pose\n", quotation(file));
   return fmt::format("  is it the {} that was meant? That is not proved, but for you to see, or by --poses\n", way);
-}
-
-std::string bytes_of(const std::string& file, const char* what, const SubjectFile& expected,
-                     const std::string& certificate) {
-  InputFile input{std::filesystem::path(file)};
-  std::string bytes(input.peek(std::numeric_limits<std::size_t>::max()));
-  refuse_other_digest(sha256(bytes), file, what, expected, certificate);
-  return bytes;
-}
-
-Model subject_model(const std::string& file, const SubjectFile& expected, const std::string& certificate) {
-  return parse_model(bytes_of(file, "model", expected, certificate), file);
-}
-
-Mesh subject_mesh(const std::string& file, const SubjectFile& expected, const std::string& certificate) {
-  return parse_mesh(bytes_of(file, "mesh", expected, certificate), file);
-}
-
-void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
-                       const std::string& certificate) {
-  refuse_other_digest(subject_file(file).sha256, file, what, expected, certificate);
 }
 
 void refuse_other_units(const std::string& units, const char* what, const std::string& stated,

@@ -87,9 +87,6 @@ struct CheckReport {
 /// Adds a row, in any order.
 void count(const CheckedRow& row, CheckReport& report);
 
-/// "proved", "refuted", "unproved".
-[[nodiscard]] const char* name_of(Verdict verdict);
-
 /// How many claims became what.
 struct VerdictCounts {
   std::size_t proved = 0;
@@ -119,6 +116,26 @@ template <class Claims, class FindingOf>
 
 /// A line, of claims that have an infinite end; empty where there are none.
 [[nodiscard]] std::string unbounded_in_words(std::uint64_t count);
+
+/// The same where only an upper end can be missing.
+[[nodiscard]] std::string unbounded_above_in_words(std::uint64_t count);
+
+/// How many claims became what, then a line a claim: `words` says what it claims. Below a claim that is not proved
+/// stands what is proven of it, with the claim's `units`.
+[[nodiscard]] std::string claims_in_words(
+    const JudgedAnswer& judged, const std::function<std::string(const JudgedClaim&)>& words,
+    const std::function<std::string(std::uint64_t)>& unbounded = unbounded_in_words,
+    const std::function<std::string(const JudgedClaim&)>& units = [](const JudgedClaim&) { return std::string(); });
+
+/// A list of objects: each begins as `head` says, and has "verdict", "claimed" and "proven".
+[[nodiscard]] JsonValue claims_of(const JudgedAnswer& judged,
+                                  const std::function<JsonObject(const JudgedClaim&)>& head);
+
+/// The last lines of a check: its time, and the name of the certificate.
+[[nodiscard]] std::string end_in_words(const JudgedAnswer& judged, double seconds, const CheckArguments& arguments);
+
+/// `verified` where all is proved.
+[[nodiscard]] ExitStatus status_of(const JudgedAnswer& judged);
 
 /// Which end is wrong or open, and why. Precondition: not proved.
 [[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);
@@ -158,19 +175,6 @@ using TwoModels = std::array<Model, 2>;
 /// states.
 [[nodiscard]] TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
                                   const CertificateCheckArguments& arguments);
-
-/// The bytes of the file, a `what`, read once: what is parsed of them is what the digest is of. Throws Error(input)
-/// unless the certificate is about them.
-[[nodiscard]] std::string bytes_of(const std::string& file, const char* what, const SubjectFile& expected,
-                                   const std::string& certificate);
-
-/// The model, or mesh, that these bytes state. Throw likewise, and for what is none.
-[[nodiscard]] Model subject_model(const std::string& file, const SubjectFile& expected, const std::string& certificate);
-[[nodiscard]] Mesh subject_mesh(const std::string& file, const SubjectFile& expected, const std::string& certificate);
-
-/// Throws likewise.
-void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
-                       const std::string& certificate);
 
 /// Throws Error(input) unless the file, if one is given, holds these poses in this order.
 void refuse_other_poses(const std::string& file, std::span<const Pose> poses, const std::string& certificate);

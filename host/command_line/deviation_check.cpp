@@ -27,27 +27,6 @@
 namespace verisq::command_line {
 namespace {
 
-struct Claim {
-  std::string of;    ///< "mesh", "vertices" or "points", from where to the model; "model", to these; "both" ways
-  std::string what;  ///< "largest", "mean", "95 %"
-  Enclosure value;
-  Finding finding;
-};
-
-struct DeviationCheckReport {
-  ProvenDeviation proven;
-  std::vector<Claim> claims;  ///< none of an interrupted check
-  std::string units;
-  double seconds;
-
-  [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
-  /// That claim nothing from above.
-  [[nodiscard]] std::ptrdiff_t unbounded() const {
-    return std::ranges::count_if(claims, [](const Claim& claim) { return !std::isfinite(claim.value.hi); });
-  }
-  [[nodiscard]] bool all_proved() const { return !proven.interrupted && unbounded() == 0 && counts().are_all_proved(); }
-};
-
 bool is_cloud(const DeviationAnswer& answer) {
   return answer.certificate.triangles.empty();
 }
@@ -68,60 +47,13 @@ void refuse_other_subjects(const DeviationAnswer& answer, const CheckArguments& 
   if (is_cloud(answer)) refuse_other_file(given, "cloud", answer.mesh, certificate);
 }
 
-void refuse_other_sizes(const DeviationAnswer& answer, const Mesh& mesh, const CheckArguments& arguments) {
-  const auto& [vertices, triangles, surface] = answer.certificate;
-  if (vertices.size() == mesh.vertices.size() && triangles.size() == mesh.triangles.size()) return;
-  refuse(fmt::format("{}: is of {} vertices and {} triangles, and there are {} and {}", arguments.certificate,
-                     vertices.size(), triangles.size(), mesh.vertices.size(), mesh.triangles.size()));
-}
-
-std::string percentile_in_words(const DeviationAnswer& answer, std::size_t i) {
-  return fmt::format("{} %", answer.percentiles[i]);
-}
-
-void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSummary& claimed,
-                const DistanceSummary& proven, std::vector<Claim>& claims) {
-  const std::vector<Finding> findings = check(claimed, proven);
-  claims.push_back({of, "largest", claimed.largest, findings[0]});
-  claims.push_back({of, "mean", claimed.mean, findings[1]});
-  for (std::size_t i = 0; i < answer.percentiles.size(); ++i) {
-    claims.push_back({of, percentile_in_words(answer, i), claimed.percentiles[i], findings[2 + i]});
-  }
-}
-
-/// What is claimed of the model's surface, if anything.
-void add_other_way(const DeviationAnswer& answer, const ProvenDeviation& proven, std::vector<Claim>& claims) {
-  if (!proven.from_model) return;
-  claims.push_back({"model", "largest", *answer.from_model, check(*answer.from_model, *proven.from_model)});
-  if (const auto& claimed = answer.statistics_from_model) {
-    const std::vector<Finding> findings = check(*claimed, *proven.statistics_from_model);
-    claims.push_back({"model", "mean", claimed->mean, findings[0]});
-    for (std::size_t i = 0; i < answer.percentiles.size(); ++i)
-      claims.push_back({"model", percentile_in_words(answer, i), claimed->percentiles[i], findings[1 + i]});
-  }
-  claims.push_back({"both", "largest", *answer.hausdorff, check(*answer.hausdorff, *proven.hausdorff)});
-}
-
-DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, const Mesh& mesh,
-                             const CheckArguments& arguments) {
+JudgedAnswer judged(const DeviationAnswer& answer, const Model& model, const Mesh& mesh,
+                    const CheckArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "points");
-  const Stopwatch time;
-  DeviationCheckReport report{.proven = DeviationChecker(model)(
-                                  mesh, answer.certificate,
-                                  {.percentiles = answer.percentiles,
-                                   .statistics_of_model = answer.statistics_from_model.has_value(),
-                                   .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                                             .interrupted = arguments.ended,
-                                             .progress = [&bar](double done) { bar.update_state("samples", done); }}}),
-                              .claims = {},
-                              .units = model.units,
-                              .seconds = time.seconds()};
-  if (report.proven.interrupted) return report;
-  if (answer.from_mesh) add_claims(answer, "mesh", *answer.from_mesh, *report.proven.from_mesh, report.claims);
-  add_claims(answer, is_cloud(answer) ? "points" : "vertices", answer.of_vertices, report.proven.of_vertices,
-             report.claims);
-  add_other_way(answer, report.proven, report.claims);
-  return report;
+  return judge(answer, arguments.certificate, model, mesh,
+               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                .interrupted = arguments.ended,
+                .progress = [&bar](double done) { bar.update_state("samples", done); }});
 }
 
 std::string direction_of(const std::string& of, const DeviationAnswer& answer) {
@@ -134,45 +66,37 @@ std::string not_claimed(const DeviationAnswer& answer) {
                      answer.from_model ? "mean and percentiles of " : "", is_cloud(answer) ? "points" : "mesh");
 }
 
-std::string readable(const DeviationAnswer& answer, const DeviationCheckReport& report,
+std::string readable(const DeviationAnswer& answer, const JudgedAnswer& judged, double seconds,
                      const CheckArguments& arguments) {
-  const std::string units = units_behind(report.units);
-  std::string text = verdicts_in_words("claims", report.counts());
-  if (report.unbounded() > 0)
-    text += fmt::format("  WITHOUT AN END     {}: of these nothing is claimed from above\n", report.unbounded());
-  for (const auto& [of, what, value, finding] : report.claims) {
-    text += fmt::format("  {:<8} {}, {}: {}{}\n", name_of(finding.verdict), direction_of(of, answer), what,
-                        exact_text(value), units);
-    if (finding.verdict != Verdict::proved)
-      text += fmt::format("           proven of it: {}{}\n", exact_text(finding.proven), units);
-  }
-  text += fmt::format("samples              {}, of which {} say less than they claim\n", report.proven.samples,
-                      report.proven.unproved_samples);
+  const std::string units = units_behind(answer.units);
+  std::string text = claims_in_words(
+      judged,
+      [&](const JudgedClaim& claim) {
+        return fmt::format("{}, {}: {}{}", direction_of(claim.of, answer), claim.what, exact_text(claim.claimed),
+                           units);
+      },
+      unbounded_above_in_words, [&](const JudgedClaim&) { return units; });
+  text += fmt::format("samples              {}, of which {} say less than they claim\n", judged.parts,
+                      judged.unproved_parts);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
   if (!answer.statistics_from_model) text += fmt::format("not claimed          {}\n", not_claimed(answer));
-  text += fmt::format("time                 {:.3g} s\n", report.seconds);
-  return text + fmt::format("certificate          {}{}\n", quotation(arguments.certificate),
-                            mark_of_end(report.proven.interrupted));
+  return text + end_in_words(judged, seconds, arguments);
 }
 
-std::string json(const DeviationAnswer& answer, const DeviationCheckReport& report, const CheckArguments& arguments) {
-  JsonValue::Array claims;
-  for (const auto& [of, what, value, finding] : report.claims) {
-    claims.push_back(JsonObject{{"of", of},
-                                {"what", what},
-                                {"verdict", name_of(finding.verdict)},
-                                {"claimed", value},
-                                {"proven", finding.proven}});
-  }
+std::string json(const DeviationAnswer& answer, const JudgedAnswer& judged, double seconds,
+                 const CheckArguments& arguments) {
+  const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) {
+    return JsonObject{{"of", claim.of}, {"what", claim.what}};
+  });
   const JsonObject object{{"kind", "deviation"},
                           {"claims", claims},
-                          {"without_an_end", report.unbounded()},
-                          {"samples", report.proven.samples},
-                          {"unproved_samples", report.proven.unproved_samples},
+                          {"without_an_end", judged.unbounded()},
+                          {"samples", judged.parts},
+                          {"unproved_samples", judged.unproved_parts},
                           {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
-                          {"units", report.units},
-                          {"seconds", report.seconds},
-                          {"interrupted", report.proven.interrupted},
+                          {"units", answer.units},
+                          {"seconds", seconds},
+                          {"interrupted", judged.interrupted},
                           {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }
@@ -188,36 +112,16 @@ ExitStatus run_check(const DeviationAnswer& answer, const CheckArguments& argume
                                      : subject_mesh(arguments.inputs.mesh, answer.mesh, arguments.certificate);
   // Clouds are read from the file: it must still be the same.
   if (is_cloud(answer)) refuse_other_file(arguments.inputs.points, "cloud", answer.mesh, arguments.certificate);
-  refuse_other_sizes(answer, mesh, arguments);
   watch_for_interruption();
-  const DeviationCheckReport report = checked(answer, model, mesh, arguments);
-  fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
-  if (report.proven.interrupted) return status_of_end();
-  return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
+  const Stopwatch time;
+  const JudgedAnswer deviation = judged(answer, model, mesh, arguments);
+  const double seconds = time.seconds();
+  fmt::print("{}", arguments.json ? json(answer, deviation, seconds, arguments)
+                                  : readable(answer, deviation, seconds, arguments));
+  return status_of(deviation);
 }
 
 namespace {
-
-/// One number of an area.
-struct NumberClaimed {
-  std::string of;    ///< "contact", "contact:AREA", as a fit names them
-  const char* what;  ///< "area", "within", "percent"
-  Enclosure value;
-  Finding finding;
-};
-
-struct ContactCheckReport {
-  ProvenContact proven;
-  std::vector<NumberClaimed> claims;  ///< none of an interrupted check
-  double seconds;
-
-  [[nodiscard]] VerdictCounts counts() const { return counted(claims, &NumberClaimed::finding); }
-  /// That claim nothing from above.
-  [[nodiscard]] std::ptrdiff_t unbounded() const {
-    return std::ranges::count_if(claims, [](const NumberClaimed& claim) { return !std::isfinite(claim.value.hi); });
-  }
-  [[nodiscard]] bool all_proved() const { return !proven.interrupted && unbounded() == 0 && counts().are_all_proved(); }
-};
 
 /// Refuses arguments that are missing, or do not go with an answer of model and mesh. The messages call it
 /// `what`.
@@ -231,49 +135,13 @@ void refuse_other_arguments(const CheckArguments& arguments, std::string_view wh
     refuse(fmt::format("{}: not with --points, --pose or --point-radius", of));
 }
 
-void refuse_other_sizes(const ContactAnswer& answer, const Model& model, const Mesh& mesh,
-                        const std::string& certificate) {
-  const auto& [vertices, divided, surface] = answer.certificate;
-  const std::size_t triangles = mesh.triangles.size();
-  if (vertices.size() != mesh.vertices.size())
-    refuse(
-        fmt::format("{}: is of {} vertices, and the mesh has {}", certificate, vertices.size(), mesh.vertices.size()));
-  if (!divided.empty() && divided.back().triangle >= triangles)
-    refuse(fmt::format("{}: names triangle {}, of {}", certificate, divided.back().triangle, triangles));
-  if (!answer.regions.empty() && points_of(answer.region_runs) != triangles)
-    refuse(fmt::format("{}: region_runs: are of {} triangles, and the mesh has {}", certificate,
-                       points_of(answer.region_runs), triangles));
-  if (surface && answer.counted.size() != model.primitives.size())
-    refuse(fmt::format("{}: has patches of {} primitives, and the model has {}", certificate, answer.counted.size(),
-                       model.primitives.size()));
-  if (surface && triangles == 0) refuse(fmt::format("{}: is of a mesh, and there are no triangles", certificate));
-}
-
-void add_claims(const std::string& of, const ContactClaim& claimed, const AreaWithin& proven,
-                std::vector<NumberClaimed>& claims) {
-  const auto [area, within, percent] = check(claimed, proven);
-  claims.push_back({of, "area", claimed.area, area});
-  claims.push_back({of, "within", claimed.within, within});
-  claims.push_back({of, "percent", claimed.percent, percent});
-}
-
-ContactCheckReport checked(const ContactAnswer& answer, const Model& model, const Mesh& mesh,
-                           const CheckArguments& arguments) {
+JudgedAnswer judged(const ContactAnswer& answer, const Model& model, const Mesh& mesh,
+                    const CheckArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "%");
-  const Stopwatch time;
-  ContactCheckReport report{};
-  report.proven = ContactChecker(model)(mesh, terms_of(answer), answer.certificate,
-                                        {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                                         .interrupted = arguments.ended,
-                                         .progress = [&bar](double done) { bar.update_state("samples", done); }});
-  report.seconds = time.seconds();
-  if (report.proven.interrupted) return report;
-  add_claims("contact", answer.claims.of_mesh, report.proven.of_mesh, report.claims);
-  for (std::size_t r = 0; r < answer.regions.size(); ++r)
-    add_claims("contact:" + answer.regions[r], answer.claims.by_region[r], report.proven.by_region[r], report.claims);
-  if (const auto& claimed = answer.claims.of_model)
-    add_claims("implant_contact", *claimed, *report.proven.of_model, report.claims);
-  return report;
+  return judge(answer, arguments.certificate, model, mesh,
+               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                .interrupted = arguments.ended,
+                .progress = [&bar](double done) { bar.update_state("samples", done); }});
 }
 
 /// Whose surface the implant's own is, by name.
@@ -292,15 +160,13 @@ std::vector<std::uint64_t> triangles_by_region(const ContactAnswer& answer) {
   return triangles;
 }
 
-std::string value_in_words(const char* what, const Enclosure& value, const std::string& units) {
-  const std::string text = exact_text(value);
-  if (std::string_view(what) == "percent") return text + " %";
-  return text + units_behind(units, 2);
+std::string units_of(const JudgedClaim& claim, const std::string& units) {
+  return claim.what == "percent" ? " %" : units_behind(units, 2);
 }
 
-std::string what_in_words(const char* what) {
-  if (std::string_view(what) == "percent") return "share";
-  return std::string_view(what) == "area" ? "whole area" : "area in contact";
+std::string what_in_words(std::string_view what) {
+  if (what == "percent") return "share";
+  return what == "area" ? "whole area" : "area in contact";
 }
 
 /// The name that follows the colon is the certificate's.
@@ -309,17 +175,15 @@ std::string contact_in_words(const std::string& of) {
   return colon == std::string::npos ? of : of.substr(0, colon + 1) + quotation(std::string_view(of).substr(colon + 1));
 }
 
-std::string claims_in_words(const ContactAnswer& answer, const ContactCheckReport& report) {
-  std::string text = verdicts_in_words("claims", report.counts());
-  if (report.unbounded() > 0)
-    text += fmt::format("  WITHOUT AN END     {}: of these nothing is claimed from above\n", report.unbounded());
-  for (const auto& [of, what, value, finding] : report.claims) {
-    text += fmt::format("  {:<8} {}: {}, {}\n", name_of(finding.verdict), value_in_words(what, value, answer.units),
-                        what_in_words(what), contact_in_words(of));
-    if (finding.verdict != Verdict::proved)
-      text += fmt::format("           proven of it: {}\n", value_in_words(what, finding.proven, answer.units));
-  }
-  return text;
+std::string contact_claims_in_words(const ContactAnswer& answer, const JudgedAnswer& judged) {
+  const auto units = [&](const JudgedClaim& claim) { return units_of(claim, answer.units); };
+  return claims_in_words(
+      judged,
+      [&](const JudgedClaim& claim) {
+        return fmt::format("{}{}: {}, {}", exact_text(claim.claimed), units(claim), what_in_words(claim.what),
+                           contact_in_words(claim.of));
+      },
+      unbounded_above_in_words, units);
 }
 
 /// The line of what counts as the implant's own surface, if that is claimed.
@@ -330,9 +194,9 @@ std::string own_surface_in_words(const std::vector<std::string>& primitives) {
       quotation(primitives));
 }
 
-std::string readable(const ContactAnswer& answer, const Model& model, const ContactCheckReport& report,
+std::string readable(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged, double seconds,
                      const CheckArguments& arguments) {
-  std::string text = claims_in_words(answer, report);
+  std::string text = contact_claims_in_words(answer, judged);
   text += fmt::format("in contact           what is no farther than {} from the model's surface, inside or outside\n",
                       with_units(fmt::format("{}", answer.distance), answer.units));
   const std::vector<std::uint64_t> triangles = triangles_by_region(answer);
@@ -343,23 +207,16 @@ std::string readable(const ContactAnswer& answer, const Model& model, const Cont
   text += own_surface_in_words(primitives);
   text += fmt::format("  are these the distance{} that were meant? That is not proved, but for you to see\n",
                       primitives.empty() ? " and the areas" : ", the areas and the primitives");
-  text += fmt::format("samples              {}, of which {} say less than they claim\n", report.proven.samples,
-                      report.proven.unproved_samples);
-  text += fmt::format("time                 {:.3g} s\n", report.seconds);
-  return text + fmt::format("certificate          {}{}\n", quotation(arguments.certificate),
-                            mark_of_end(report.proven.interrupted));
+  text += fmt::format("samples              {}, of which {} say less than they claim\n", judged.parts,
+                      judged.unproved_parts);
+  return text + end_in_words(judged, seconds, arguments);
 }
 
-std::string json(const ContactAnswer& answer, const Model& model, const ContactCheckReport& report,
+std::string json(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged, double seconds,
                  const CheckArguments& arguments) {
-  JsonValue::Array claims;
-  for (const auto& [of, what, value, finding] : report.claims) {
-    claims.push_back(JsonObject{{"name", of},
-                                {"what", what},
-                                {"verdict", name_of(finding.verdict)},
-                                {"claimed", value},
-                                {"proven", finding.proven}});
-  }
+  const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) {
+    return JsonObject{{"name", claim.of}, {"what", claim.what}};
+  });
   JsonValue::Array areas;
   const std::vector<std::uint64_t> triangles = triangles_by_region(answer);
   for (std::size_t r = 0; r < answer.regions.size(); ++r)
@@ -368,15 +225,15 @@ std::string json(const ContactAnswer& answer, const Model& model, const ContactC
   for (const std::string& name : counted_primitives(answer, model)) primitives.push_back(name);
   const JsonObject object{{"kind", "contact"},
                           {"claims", claims},
-                          {"without_an_end", report.unbounded()},
+                          {"without_an_end", judged.unbounded()},
                           {"distance", answer.distance},
                           {"areas", areas},
                           {"implant_contact_of", primitives},
-                          {"samples", report.proven.samples},
-                          {"unproved_samples", report.proven.unproved_samples},
+                          {"samples", judged.parts},
+                          {"unproved_samples", judged.unproved_parts},
                           {"units", answer.units},
-                          {"seconds", report.seconds},
-                          {"interrupted", report.proven.interrupted},
+                          {"seconds", seconds},
+                          {"interrupted", judged.interrupted},
                           {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }
@@ -388,13 +245,13 @@ ExitStatus run_check(const ContactAnswer& answer, const CheckArguments& argument
   const Model model = subject_model(arguments.models.front(), answer.model, arguments.certificate);
   refuse_other_units(model.units, "model", answer.units, arguments.certificate);
   const Mesh mesh = subject_mesh(arguments.inputs.mesh, answer.mesh, arguments.certificate);
-  refuse_other_sizes(answer, model, mesh, arguments.certificate);
   watch_for_interruption();
-  const ContactCheckReport report = checked(answer, model, mesh, arguments);
-  fmt::print("{}",
-             arguments.json ? json(answer, model, report, arguments) : readable(answer, model, report, arguments));
-  if (report.proven.interrupted) return status_of_end();
-  return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
+  const Stopwatch time;
+  const JudgedAnswer contact = judged(answer, model, mesh, arguments);
+  const double seconds = time.seconds();
+  fmt::print("{}", arguments.json ? json(answer, model, contact, seconds, arguments)
+                                  : readable(answer, model, contact, seconds, arguments));
+  return status_of(contact);
 }
 
 ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& arguments) {
@@ -416,7 +273,7 @@ ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& argu
   if (arguments.json) {
     const JsonObject object{{"kind", "containment"},
                             {"containment", within ? "within" : "around"},
-                            {"verdict", name_of(verdict)},
+                            {"verdict", to_string(verdict)},
                             {"open", open},
                             {"units", answer.units},
                             {"seconds", time.seconds()},
@@ -424,7 +281,7 @@ ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& argu
                             {"certificate", arguments.certificate}};
     fmt::print("{}\n", object.text());
   } else {
-    fmt::print("{:<20} {}\n", name_of(verdict), claim);
+    fmt::print("{:<20} {}\n", to_string(verdict), claim);
     if (!open.empty()) fmt::print("open                 {}\n", on_one_line(open));
     fmt::print("time                 {:.3g} s\ncertificate          {}{}\n", time.seconds(),
                quotation(arguments.certificate), mark_of_end(arguments.ended()));

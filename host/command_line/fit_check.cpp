@@ -147,7 +147,7 @@ std::string sides_in_words(const FitAnswer& answer, const SideCheckReport& repor
                                        }));
   for (std::size_t i = 0; i < answer.sides.size(); ++i) {
     const auto& [primitive, side] = answer.sides[i];
-    text += fmt::format("  {:<8} {} lies {} of {}: {}\n", name_of(report.verdicts[i]), depth_in_words(answer),
+    text += fmt::format("  {:<8} {} lies {} of {}: {}\n", to_string(report.verdicts[i]), depth_in_words(answer),
                         to_string(side), mesh_in_words(report), quotation(report.names[primitive]));
   }
   const std::vector<std::string> others = others_of(answer, report);
@@ -163,7 +163,7 @@ JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report) {
     claims.push_back(JsonObject{
         {"primitive", report.names[primitive]},
         {"side", std::string(to_string(side))},
-        {"verdict", report.interrupted ? JsonValue() : JsonValue(std::string(name_of(report.verdicts[i])))}});
+        {"verdict", report.interrupted ? JsonValue() : JsonValue(std::string(to_string(report.verdicts[i])))}});
   }
   return JsonObject{{"rims", report.rims},
                     {"faces_outward", report.outward ? JsonValue(*report.outward) : JsonValue()},
@@ -300,7 +300,7 @@ std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& repor
   std::string text = verdicts_in_words("claims of the fit", report.counts()) + unbounded_in_words(report.unbounded);
   for (std::size_t i = 0; i < report.findings.size(); ++i) {
     const Finding& finding = report.findings[i];
-    text += fmt::format("  {:<8} {}\n", name_of(finding.verdict), in_words(answer, answer.claims[i]));
+    text += fmt::format("  {:<8} {}\n", to_string(finding.verdict), in_words(answer, answer.claims[i]));
     if (finding.verdict != Verdict::proved)
       text += fmt::format("           proven of it: {}\n", exact_text(finding.proven));
   }
@@ -324,7 +324,7 @@ JsonValue claims_of(const FitAnswer& answer, const FitCheckReport& report) {
     const ClearanceClaim& claim = answer.claims[i];
     claims.push_back(JsonObject{{"what", claim.what},
                                 {"area", claim.area.empty() ? JsonValue() : JsonValue(claim.area)},
-                                {"verdict", name_of(report.findings[i].verdict)},
+                                {"verdict", to_string(report.findings[i].verdict)},
                                 {"claimed", claim.value},
                                 {"proven", report.findings[i].proven}});
   }
@@ -420,7 +420,7 @@ std::string bound_in_words(double upper) {
 }
 
 std::string verdict_in_words(const BestFitAnswer& answer, const BestFitCheckReport& report) {
-  const char* const verdict = report.proven.interrupted ? "not judged" : name_of(report.verdict);
+  const std::string_view verdict = report.proven.interrupted ? "not judged" : to_string(report.verdict);
   std::string text = fmt::format("{:<20} {}\n", verdict, bound_in_words(answer.upper));
   if (!report.proven.interrupted && report.verdict != Verdict::proved)
     text += fmt::format("  proven instead     {}\n", bound_in_words(report.proven.upper));
@@ -471,7 +471,7 @@ JsonValue centres_of(const BestFitAnswer& answer) {
 std::string json(const BestFitAnswer& answer, const BestFitCheckReport& report, const CheckArguments& arguments) {
   const auto& [proven, verdict, seconds] = report;
   const JsonObject object{{"kind", "best_fit"},
-                          {"verdict", proven.interrupted ? JsonValue() : JsonValue(name_of(verdict))},
+                          {"verdict", proven.interrupted ? JsonValue() : JsonValue(to_string(verdict))},
                           {"no_pose_keeps_limit", !proven.interrupted && proven.upper == -infinity},
                           {"claimed", finite_or_null(answer.upper)},
                           {"proven", proven.interrupted ? JsonValue() : finite_or_null(proven.upper)},

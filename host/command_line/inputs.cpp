@@ -133,18 +133,6 @@ std::string described(const PoseUncertainty& bounds, const std::string& units) {
                      units_behind(units), degrees, c[0], c[1], c[2]);
 }
 
-Mesh read_cloud(const std::string& name) {
-  if (is_mesh_name(name)) return {.vertices = read_mesh(name).vertices, .triangles = {}};
-  PointFile file(name);
-  Mesh cloud;
-  std::array<Point, 4096> chunk{};
-  for (std::size_t count = chunk.size(); count == chunk.size();) {
-    count = file.read(chunk);
-    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return cloud;
-}
-
 void declare_inputs(Options& options, InputArguments& inputs) {
   require_model(options, "--model", inputs.model);
   declare_points(options, inputs);

@@ -66,11 +66,6 @@ void add_pose_uncertainty(Options& options, PoseUncertaintyArguments& arguments,
 /// "its place known to 0.5, 0.5, 0.5 mm along the axes and 0.5 degrees about (0, 0, 40)".
 [[nodiscard]] std::string described(const PoseUncertainty& bounds, const std::string& units);
 
-// A cloud of points that is read whole: a file of points, or the vertices of a mesh.
-
-/// Without triangles. Throws Error(input).
-[[nodiscard]] Mesh read_cloud(const std::string& name);
-
 // How far a streamed file is worked off, for progress.
 
 /// The part of all items of `file` that `done` finished ones of the `read` ones make up, about: how many there are is

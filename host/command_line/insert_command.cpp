@@ -60,7 +60,7 @@ struct InsertReport {
   std::optional<LeastRemoval> search = {};          ///< of that way among others, where asked for
   std::string certificate = {};                     ///< the certificates' file; empty when not written
   bool certified_points = false;                    ///< they are of the rows
-  std::uint64_t looser_certificates = 0;            ///< rows of which they prove less than the map says
+  std::uint64_t looser_certificates = 0;            ///< rows that are wider than without them
   std::optional<Enclosure> certified_surface = {};  ///< what they prove of the whole surface
   std::optional<Enclosure> certified_volume = {};   ///< what they prove of the removed volume
   std::string page = {};                            ///< the report's file; empty when not written
@@ -238,7 +238,7 @@ std::string readable(const InsertReport& report) {
     text +=
         fmt::format("certificate          {}, of {}\n", quotation(report.certificate), subjects_of_certificate(report));
     if (report.looser_certificates > 0)
-      text += fmt::format("  proves less        of {} points than the map says\n", report.looser_certificates);
+      text += fmt::format("  wider rows         of {} points than without the certificate\n", report.looser_certificates);
     if (is_surface_certified_less(report))
       text += fmt::format("  proves less        of the whole surface: smallest distance {}\n",
                           outward_digits(*report.certified_surface));
@@ -422,8 +422,8 @@ InsertionAnswer answer_about(const InsertArguments& arguments, std::span<const P
           .rows = {}};
 }
 
-/// Rows that certificates prove to the tolerance are theirs from here on; others stay as they were found. Nothing where
-/// it was interrupted.
+/// Certifies every row: from here on the rows of `insertion` are those that certificates prove, as they are in Python
+/// and C++. Returns nothing where it was interrupted.
 std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::span<const Pose> path,
                                        const Model& implant, const Mesh& bone, InsertionOptions options,
                                        Insertion& insertion, InsertReport& report) {
@@ -439,11 +439,11 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
   InsertionAnswer answer = answer_about(arguments, path, implant);
   for (std::size_t n = 0; n < insertion.rows.size(); ++n) {
     const MapResult& proven = certified.rows[n];
-    const bool looser = proven.status == Status::wide && proven.distance.width() > insertion.rows[n].distance.width();
-    report.looser_certificates += looser ? 1 : 0;
-    if (!looser) insertion.rows[n] = proven;
+    if (proven.status == Status::wide && proven.distance.width() > insertion.rows[n].distance.width())
+      ++report.looser_certificates;
     answer.rows.push_back({proven.distance, std::move(certified.certificates[n])});
   }
+  insertion.rows = std::move(certified.rows);
   insertion.summary = recounted(insertion.summary, insertion.rows);
   return answer;
 }

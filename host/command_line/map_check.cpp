@@ -350,16 +350,19 @@ void count(const Finding& finding, std::size_t index, const PosedAnswer& answer,
 std::string readable(const PosesReport::Open& open) {
   const auto& [index, answer, finding] = open;
   return fmt::format("first {} pose, index {}, {}: {}\n  claimed          {}\n  proven           {}\n",
-                     name_of(finding.verdict), index, option_text(answer.pose), reason(answer.distance, finding),
+                     to_string(finding.verdict), index, option_text(answer.pose), reason(answer.distance, finding),
                      exact_text(answer.distance), exact_text(finding.proven));
 }
 
 JsonValue object_of(const std::optional<PosesReport::Open>& open) {
   if (!open) return {};
   const auto& [index, answer, finding] = *open;
-  return JsonObject{
-      {"verdict", name_of(finding.verdict)}, {"index", index},           {"pose", answer.pose},
-      {"claimed", answer.distance},          {"proven", finding.proven}, {"reason", reason(answer.distance, finding)}};
+  return JsonObject{{"verdict", to_string(finding.verdict)},
+                    {"index", index},
+                    {"pose", answer.pose},
+                    {"claimed", answer.distance},
+                    {"proven", finding.proven},
+                    {"reason", reason(answer.distance, finding)}};
 }
 
 }  // namespace

@@ -59,42 +59,17 @@ std::string path_in_words(std::span<const Pose> path, std::string_view way, std:
 
 namespace {
 
-struct Claim {
-  std::string_view what;
-  std::string_view unit;
-  Enclosure value;
-  Finding finding;
-};
-
-struct PathCheckReport {
-  std::vector<Claim> claims;  ///< none of an interrupted check
-  std::string units;
-  double seconds = 0.0;
-  bool interrupted = false;
-
-  [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
-  [[nodiscard]] bool all_proved() const { return !interrupted && counts().are_all_proved(); }
-};
-
-PathCheckReport checked(const PathAnswer& answer, const TwoModels& models, const CheckArguments& arguments) {
-  PathCheckReport report{.claims = {}, .units = answer.units};
+JudgedAnswer judged(const PathAnswer& answer, const TwoModels& models, const CheckArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "parts");
-  const Stopwatch time;
   const auto parts = static_cast<double>(answer.certificate.parts.size());
-  const PathClaims proven =
-      PathChecker(models[0], models[1], answer.path)
-          .prove(answer.certificate,
-                 {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                  .interrupted = arguments.ended,
-                  .progress = [&](double done) { bar.update(static_cast<std::uint64_t>(done * parts), done); }});
-  report.seconds = time.seconds();
-  report.interrupted = arguments.ended();
-  if (report.interrupted) return report;
-  const PathFindings findings = check(answer.claims, proven);
-  report.claims.push_back({"smallest distance of all times", answer.units, answer.claims.smallest, findings.smallest});
-  if (findings.first_contact)
-    report.claims.push_back({"time of the first contact", "", *answer.claims.first_contact, *findings.first_contact});
-  return report;
+  return judge(answer, models[0], models[1],
+               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                .interrupted = arguments.ended,
+                .progress = [&](double done) { bar.update(static_cast<std::uint64_t>(done * parts), done); }});
+}
+
+bool are_claims_proved(const JudgedAnswer& judged) {
+  return !judged.interrupted && counted(judged.claims, &JudgedClaim::finding).are_all_proved();
 }
 
 /// What the claims say of a contact, where they are proved.
@@ -113,47 +88,44 @@ std::string_view contact_in_a_word(const PathClaims& claims) {
   return contact && std::isfinite(contact->hi) ? "meets" : "not_claimed";
 }
 
-std::string readable(const PathAnswer& answer, const PathCheckReport& report, const CheckArguments& arguments) {
-  std::string text = verdicts_in_words("claims", report.counts());
-  for (const auto& [what, unit, value, finding] : report.claims) {
-    text += fmt::format("  {:<8} {}: {}{}\n", name_of(finding.verdict), what, exact_text(value), units_behind(unit));
-    if (finding.verdict != Verdict::proved)
-      text += fmt::format("           proven of it: {}\n", exact_text(finding.proven));
-  }
+std::string readable(const PathAnswer& answer, const JudgedAnswer& judged, double seconds,
+                     const CheckArguments& arguments) {
+  std::string text = claims_in_words(
+      judged,
+      [](const JudgedClaim& claim) {
+        return fmt::format("{}: {}{}", claim.what, exact_text(claim.claimed), units_behind(claim.unit));
+      },
+      [](std::uint64_t) { return std::string(); });
   if (!std::isfinite(answer.claims.smallest.hi))
     text += "  WITHOUT AN END     nothing is claimed of the smallest distance from above\n";
-  if (report.all_proved()) text += fmt::format("the models           {}\n", contact_in_words(answer.claims));
+  if (are_claims_proved(judged)) text += fmt::format("the models           {}\n", contact_in_words(answer.claims));
   text += fmt::format("of                   {}, which rests\n", quotation(arguments.models[0]));
   text += fmt::format("  and                {}, which moves\n", quotation(arguments.models[1]));
-  text += path_in_words(answer.path, "path", "the moving model's", units_behind(report.units));
+  text += path_in_words(answer.path, "path", "the moving model's", units_behind(answer.units));
   text += "  between the poses  steady: straight, and about one axis by the smaller angle\n";
   text += meant_in_words(arguments.poses, "path");
   text += fmt::format("parts                {}\n", answer.certificate.parts.size());
-  text += fmt::format("time                 {:.3g} s\n", report.seconds);
-  return text +
-         fmt::format("certificate          {}{}\n", quotation(arguments.certificate), mark_of_end(report.interrupted));
+  return text + end_in_words(judged, seconds, arguments);
 }
 
-std::string json(const PathAnswer& answer, const PathCheckReport& report, const CheckArguments& arguments) {
-  JsonValue::Array claims;
-  for (const auto& [what, unit, value, finding] : report.claims) {
-    claims.push_back(JsonObject{
-        {"what", what}, {"verdict", name_of(finding.verdict)}, {"claimed", value}, {"proven", finding.proven}});
-  }
-  const JsonObject object{{"kind", "path"},
-                          {"claims", claims},
-                          {"contact", report.all_proved() ? JsonValue(contact_in_a_word(answer.claims)) : JsonValue()},
-                          {"path_begin", answer.path.front()},
-                          {"path_end", answer.path.back()},
-                          {"poses", answer.path.size()},
-                          {"path_length", length_of(answer.path)},
-                          {"path_degrees", degrees_of(answer.path)},
-                          {"parts", answer.certificate.parts.size()},
-                          {"units", report.units},
-                          {"models", arguments.models},
-                          {"seconds", report.seconds},
-                          {"interrupted", report.interrupted},
-                          {"certificate", arguments.certificate}};
+std::string json(const PathAnswer& answer, const JudgedAnswer& judged, double seconds,
+                 const CheckArguments& arguments) {
+  const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) { return JsonObject{{"what", claim.what}}; });
+  const JsonObject object{
+      {"kind", "path"},
+      {"claims", claims},
+      {"contact", are_claims_proved(judged) ? JsonValue(contact_in_a_word(answer.claims)) : JsonValue()},
+      {"path_begin", answer.path.front()},
+      {"path_end", answer.path.back()},
+      {"poses", answer.path.size()},
+      {"path_length", length_of(answer.path)},
+      {"path_degrees", degrees_of(answer.path)},
+      {"parts", answer.certificate.parts.size()},
+      {"units", answer.units},
+      {"models", arguments.models},
+      {"seconds", seconds},
+      {"interrupted", judged.interrupted},
+      {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }
 
@@ -163,11 +135,12 @@ ExitStatus run_check(const PathAnswer& answer, const CheckArguments& arguments) 
   const TwoModels models = models_of(answer.models, answer.units, arguments_of_two_models(arguments));
   refuse_other_poses(arguments.poses, answer.path, arguments.certificate);
   watch_for_interruption();
-  const PathCheckReport report = checked(answer, models, arguments);
-  fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
-  if (report.interrupted) return status_of_end();
-  const bool all = report.all_proved() && std::isfinite(answer.claims.smallest.hi);
-  return all ? ExitStatus::verified : ExitStatus::unverified;
+  const Stopwatch time;
+  const JudgedAnswer path = judged(answer, models, arguments);
+  const double seconds = time.seconds();
+  fmt::print("{}",
+             arguments.json ? json(answer, path, seconds, arguments) : readable(answer, path, seconds, arguments));
+  return status_of(path);
 }
 
 namespace {
@@ -340,7 +313,7 @@ std::string surface_in_words(const SurfaceReport& report, const std::string& uni
   const bool tells = finding.verdict == Verdict::proved && std::isfinite(claimed.lo);
   std::string text = fmt::format(
       "whole surface        between the vertices, too: smallest distance {}{} along the whole way, {}{}\n",
-      exact_text(claimed), units, name_of(finding.verdict), tells ? depth_in_words(report, units) : std::string());
+      exact_text(claimed), units, to_string(finding.verdict), tells ? depth_in_words(report, units) : std::string());
   if (!std::isfinite(claimed.width())) text += "  WITHOUT AN END     nothing is claimed on one side at least\n";
   if (finding.verdict != Verdict::proved)
     text += fmt::format("  proven of it       {}{}\n", exact_text(finding.proven), units);
@@ -348,7 +321,7 @@ std::string surface_in_words(const SurfaceReport& report, const std::string& uni
 }
 
 JsonObject object_of(const SurfaceReport& report) {
-  return {{"verdict", name_of(report.finding.verdict)},
+  return {{"verdict", to_string(report.finding.verdict)},
           {"claimed", report.claimed},
           {"proven", report.finding.proven},
           {"without_an_end", !std::isfinite(report.claimed.width())},
@@ -370,7 +343,7 @@ std::string removal_in_words(const RemovalAnswer& removed, const RemovalReport& 
   const auto& [claimed, finding, proven, rims, seconds] = report;
   if (proven.interrupted) return "removed bone         interrupted: nothing is said\n";
   std::string text =
-      fmt::format("removed bone         {}{}, {}\n", exact_text(claimed), cubed, name_of(finding.verdict));
+      fmt::format("removed bone         {}{}, {}\n", exact_text(claimed), cubed, to_string(finding.verdict));
   if (!std::isfinite(claimed.width())) text += "  WITHOUT AN END     nothing is claimed on one side at least\n";
   if (finding.verdict != Verdict::proved)
     text += fmt::format("  proven of it       {}{}\n", exact_text(finding.proven), cubed);
@@ -382,7 +355,7 @@ std::string removal_in_words(const RemovalAnswer& removed, const RemovalReport& 
 }
 
 JsonObject object_of(const RemovalAnswer& removed, const RemovalReport& report) {
-  JsonObject object{{"verdict", name_of(report.finding.verdict)},
+  JsonObject object{{"verdict", to_string(report.finding.verdict)},
                     {"claimed", report.claimed},
                     {"proven", report.finding.proven},
                     {"bone", removed.bone == BoneSide::inside ? "inside" : "outside"},

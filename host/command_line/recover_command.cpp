@@ -52,6 +52,7 @@ struct RecoverReport {
   std::optional<Deviation> proven;  ///< of the mesh
   std::string output;               ///< the model file
   ReportFiles files;                ///< those that were written
+  std::string certificate;          ///< likewise; empty: none
   double seconds;
 
   /// Whether the model is as near as asked, by estimate; true where nothing was asked.
@@ -213,6 +214,7 @@ std::string readable(const RecoverReport& report) {
                       recovery.model.primitives.size() == 1 ? "primitive" : "primitives", quotation(report.output));
   if (!report.files.html.empty()) text += fmt::format("report             {}\n", quotation(report.files.html));
   if (!report.files.png.empty()) text += fmt::format("picture            {}\n", quotation(report.files.png));
+  if (!report.certificate.empty()) text += fmt::format("certificate        {}\n", quotation(report.certificate));
   return text;
 }
 
@@ -226,7 +228,7 @@ std::string json(const RecoverReport& report) {
                    {"estimated_to_mesh", stage.to_mesh ? as_json(*stage.to_mesh) : JsonValue()},
                    {"containment", stage.containment ? JsonValue(option_of(*stage.containment)) : JsonValue()}});
   }
-  const JsonObject object{
+  JsonObject object{
       {"primitives", recovery.model.primitives.size()},
       {"stages", stages},
       {"proven", as_json(report.proven)},
@@ -242,6 +244,7 @@ std::string json(const RecoverReport& report) {
       {"report", report.files.html},
       {"png", report.files.png},
   };
+  if (!report.certificate.empty()) object.set("certificate", report.certificate);
   return object.text() + "\n";
 }
 
@@ -375,22 +378,23 @@ void refuse_mesh_without_sides(const RecoverArguments& arguments, const Mesh& me
   }
 }
 
-/// Writes the certificate of a proven containment, where it is asked for and proves that again. Returns false where it
-/// does not.
-bool write_certificate(const RecoverArguments& arguments, const Found& found, const Mesh& mesh, const Deadline& limit) {
-  if (arguments.certificate_file.empty() || !found.contained || !found.contained->proof.proven) return true;
+/// Writes the certificate of a proven containment, if it is asked for and proves that again. Returns the name of the
+/// file; "" where nothing is to be written; nothing where it proves less.
+std::optional<std::string> write_certificate(const RecoverArguments& arguments, const Found& found, const Mesh& mesh,
+                                             const Deadline& limit) {
+  if (arguments.certificate_file.empty() || !found.contained || !found.contained->proof.proven) return "";
   const ContainmentCertificate& certificate = found.contained->proof.certificate;
   const ContainmentFinding checked = ContainmentChecker(found.recovery.model, mesh)(
       found.contained->containment, certificate,
       {.in_parallel = in_parallel<std::function<void(std::size_t)>>, .interrupted = limit.stop()});
   if (checked.verdict != Verdict::proved) {
     tell(fmt::format("--certificate-file: is not written; not proven again: {}", checked.open));
-    return false;
+    return std::nullopt;
   }
   write_answer(arguments.certificate_file,
                ContainmentAnswer{subject_file(arguments.output), subject_file(arguments.mesh), arguments.units,
                                  found.contained->containment, certificate});
-  return true;
+  return arguments.certificate_file;
 }
 
 /// The mesh, coloured by how far it is from the model; false where that is not known of all vertices.
@@ -468,7 +472,7 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   write_model(arguments.output, recovery.model);
   if (recovery.interrupted)
     tell(fmt::format("{}; the best model so far is kept in {}", reason_of_end(), arguments.output));
-  const bool certified = write_certificate(arguments, found, input, limit);
+  const std::optional<std::string> certificate = write_certificate(arguments, found, input, limit);
   std::optional<Deviation> proven;
   if (!recovery.interrupted && !input.triangles.empty() && !arguments.no_proof) {
     // Of bent solids the mean takes very long.
@@ -488,13 +492,14 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
                              .proven = proven,
                              .output = arguments.output,
                              .files = is_drawn ? arguments.report : ReportFiles(),
+                             .certificate = certificate.value_or(""),
                              .seconds = time.seconds()};
   if (!recovery.interrupted && !report.reached())
     tell(fmt::format("--deviation {:.6g}: is not reached", *arguments.deviation));
   if (!recovery.interrupted && !report.is_contained()) tell(obstacle(*found.contained));
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   const ExitStatus status = status_of(report);
-  return status == ExitStatus::verified && !certified ? ExitStatus::unverified : status;
+  return status == ExitStatus::verified && !certificate ? ExitStatus::unverified : status;
 }
 
 Command recover_command() {

@@ -22,7 +22,6 @@ namespace verisq {
 namespace {
 
 using certificates::certificate_format;
-using certificates::kind_of;
 
 /// Of the kind that it returns.
 std::string checked_kind(const JsonValue& root) {
@@ -45,7 +44,12 @@ template <class... Kinds>
 std::string words_of(std::type_identity<std::variant<Kinds...>> /*kinds*/) {
   std::string text;
   std::size_t left = sizeof...(Kinds);
-  ((text += fmt::format("\"{}\"{}", kind_of<Kinds>.word, left > 2 ? ", " : left == 2 ? " or " : ""), --left), ...);
+  ((text += fmt::format("\"{}\"{}", certificates::kind_of<Kinds>.word,
+                        left > 2    ? ", "
+                        : left == 2 ? " or "
+                                    : ""),
+    --left),
+   ...);
   return text;
 }
 
@@ -53,7 +57,7 @@ template <class... Kinds>
 Answer read_any(const JsonValue& root, std::type_identity<std::variant<Kinds...>> kinds) {
   const std::string kind = checked_kind(root);
   Answer answer;
-  const bool known = ((kind == kind_of<Kinds>.word && (answer = read_kind<Kinds>(root), true)) || ...);
+  const bool known = ((kind == certificates::kind_of<Kinds>.word && (answer = read_kind<Kinds>(root), true)) || ...);
   if (!known) root.at("kind").fail("must be " + words_of(kinds));
   return answer;
 }
@@ -67,11 +71,11 @@ std::string_view whole(InputFile& file) {
 }
 
 template <class Kind>
-std::string text_of(const Kind& answer, const std::string& name) {
+std::string text_of_kind(const Kind& answer, const std::string& name) {
   certificates::Document document{name};
   describe(certificates::WritingArchive(document.head, &document), answer);
   if (!document.lines.empty()) return std::move(document.lines) + "}\n";
-  constexpr int indentation = kind_of<Kind>.indentation;
+  constexpr int indentation = certificates::kind_of<Kind>.indentation;
   std::string text = certificates::text_of(document.head, indentation) + "\n";
   if (indentation < 0 && text.size() > largest_certificate)
     refuse(fmt::format("{}: takes more than the {} bytes of a certificate file", name, largest_certificate));
@@ -120,8 +124,16 @@ PairAnswer read_pair_answer(const std::filesystem::path& path) {
   return parse_pair_answer(whole(file), path.string());
 }
 
+std::string text_of(const Answer& answer, const std::string& name) {
+  return std::visit([&](const auto& kind) { return text_of_kind(kind, name); }, answer);
+}
+
+std::string_view kind_of(const Answer& answer) {
+  return std::visit([]<class Kind>(const Kind&) { return certificates::kind_of<Kind>.word; }, answer);
+}
+
 void write_answer(const std::filesystem::path& path, const Answer& answer) {
-  const std::string text = std::visit([&](const auto& kind) { return text_of(kind, path.string()); }, answer);
+  const std::string text = text_of(answer, path.string());
   OutputFile file(path);
   file.write(text);
   file.finish();

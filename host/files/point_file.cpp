@@ -392,4 +392,16 @@ std::vector<Pose> read_poses(const std::filesystem::path& path) {
   return poses;
 }
 
+Mesh read_cloud(const std::filesystem::path& path) {
+  if (is_mesh_name(path)) return {.vertices = read_mesh(path).vertices, .triangles = {}};
+  PointFile file(path);
+  Mesh cloud;
+  std::array<Point, 4096> chunk{};
+  for (std::size_t count = chunk.size(); count == chunk.size();) {
+    count = file.read(chunk);
+    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return cloud;
+}
+
 }  // namespace verisq

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/distance.hpp>
@@ -17,10 +18,12 @@
 #include <verisq/features.hpp>
 #include <verisq/fit_bound.hpp>
 #include <verisq/insertion.hpp>
+#include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
 #include <verisq/model.hpp>
 #include <verisq/path.hpp>
 #include <verisq/recovery.hpp>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
 
 namespace verisq {
@@ -147,8 +150,8 @@ struct DeviationAnswer {
   std::vector<double> percentiles;           ///< each above 0, at most 100
   DistanceSummary of_vertices;               ///< the claims; as many percentiles
   std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles; nothing of a cloud
-  /// Of the model's surface the largest distance from the mesh, and of both ways the larger one; both are there if and
-  /// only if there is a `SurfaceProof`.
+  /// The largest distance of the model's surface from the mesh. It and `hausdorff`, the larger one of both ways, are
+  /// there exactly if there is a `SurfaceProof`.
   std::optional<Enclosure> from_model = {};
   std::optional<AreaStatistics> statistics_from_model = {};  ///< may be missing; as many percentiles
   std::optional<Enclosure> hausdorff = {};
@@ -164,7 +167,7 @@ struct ContactAnswer {
   std::vector<std::string> regions;  ///< names of the regions of triangles
   std::vector<AreaRun> region_runs;  ///< of all triangles in their order; none without regions
   ContactClaims claims;              ///< of as many regions
-  /// Of each primitive whether its surface counts, where there is a claim of the model's surface.
+  /// For each primitive: whether its surface counts. Empty without a claim about the model's surface.
   std::vector<bool> counted = {};
   ContactCertificate certificate;
 };
@@ -210,7 +213,7 @@ struct PathAnswer {
 using Answer = std::variant<PairAnswer, PoseAnswers, PathAnswer, FitAnswer, BestFitAnswer, InsertionAnswer,
                             DeviationAnswer, ContactAnswer, ContainmentAnswer, FeaturesAnswer, EquilibriumAnswer>;
 
-/// Of any kind. Throws as `read_pair_answer`.
+/// Reads an answer of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.
@@ -226,5 +229,75 @@ using Answer = std::variant<PairAnswer, PoseAnswers, PathAnswer, FitAnswer, Best
 /// Writes the file so that `read_answer` gives the same bits; it appears under its name when it is complete. Throws
 /// Error(failure), and Error(input) for more than a file may hold. Precondition: an answer that it accepts.
 void write_answer(const std::filesystem::path& path, const Answer& answer);
+
+/// The bytes of such a file; `name` stands for it in messages. Throws Error(input) likewise.
+[[nodiscard]] std::string text_of(const Answer& answer, const std::string& name);
+
+/// The word of its kind in the file: "pair", "poses", "path", "fit", "best_fit", "insertion", "deviation", "contact",
+/// "containment", "features", "equilibrium".
+[[nodiscard]] std::string_view kind_of(const Answer& answer);
+
+// Proves answers again, from the files that they are about.
+
+/// One claim of an answer, and what its certificate proves of it.
+struct JudgedClaim {
+  std::string of;             ///< "mesh", "contact:AREA", "pelvis ty"; empty where the answer is about one thing
+  std::string what;           ///< "largest", "percent", "position of "
+  std::string unit;           ///< "m", "degrees", "%"; empty: none, or that of the answer
+  Enclosure claimed;          ///< [1, 1] of a statement
+  Finding finding;            ///< of a statement `proven` is [1, 1], [0, 0] or, where that is open, [0, 1]
+  bool is_unbounded = false;  ///< it claims nothing on a side: to prove it says little
+};
+
+struct JudgedAnswer {
+  std::vector<JudgedClaim> claims;   ///< none where it was interrupted
+  std::uint64_t parts = 0;           ///< samples, cells or boxes that the certificate consists of
+  std::uint64_t unproved_parts = 0;  ///< of these, parts whose statement is not proven
+  bool interrupted = false;
+
+  [[nodiscard]] std::uint64_t unbounded() const;
+  /// At least one claim, all of them proved, and none without an end.
+  [[nodiscard]] bool all_proved() const;
+};
+
+/// The files that an answer is about; the ones that it does not need stay empty.
+struct AnswerFiles {
+  std::vector<std::filesystem::path> models;  ///< in the order of the certificate; of stance one (.xml)
+  std::filesystem::path mesh;                 ///< or cloud
+  std::filesystem::path within;               ///< the surface in which bone lies (`RemovalAnswer::within`)
+  std::filesystem::path map;                  ///< of a fit: the distances of the vertices, with certificates
+  std::filesystem::path surface_map;          ///< of a fit that claims a surface distance: those of the triangles
+};
+
+/// Every claim of an answer of any kind. `name` stands for the certificate file in messages. Throws Error(input) for
+/// files that are missing, and for others than those that the answer is about.
+[[nodiscard]] JudgedAnswer judge(const Answer& answer, const std::string& name, const AnswerFiles& files,
+                                 const CheckOptions& options = {});
+
+// The same of subjects that were read before. Throw Error(input) for subjects that cannot be those of the answer.
+
+[[nodiscard]] JudgedAnswer judge(const PathAnswer& answer, const Model& a, const Model& b, const CheckOptions& options);
+[[nodiscard]] JudgedAnswer judge(const DeviationAnswer& answer, const std::string& name, const Model& model,
+                                 const Mesh& mesh, const CheckOptions& options);
+[[nodiscard]] JudgedAnswer judge(const ContactAnswer& answer, const std::string& name, const Model& model,
+                                 const Mesh& mesh, const CheckOptions& options);
+[[nodiscard]] JudgedAnswer judge(const EquilibriumAnswer& answer, const std::string& name, const stance::Model& model,
+                                 const CheckOptions& options);
+[[nodiscard]] JudgedAnswer judge(const FeaturesAnswer& answer);
+
+/// The bytes of a file, a `what`, read once: they are hashed and parsed. Throws Error(input) unless they are the ones
+/// that the certificate `name` is about.
+[[nodiscard]] std::string subject_bytes(const std::filesystem::path& file, const char* what,
+                                        const SubjectFile& expected, const std::string& name);
+
+/// The model, or mesh, that these bytes state. Throw likewise, and for what is none.
+[[nodiscard]] Model subject_model(const std::filesystem::path& file, const SubjectFile& expected,
+                                  const std::string& name);
+[[nodiscard]] Mesh subject_mesh(const std::filesystem::path& file, const SubjectFile& expected,
+                                const std::string& name);
+
+/// Throws likewise, of a file that is not parsed.
+void refuse_other_file(const std::filesystem::path& file, const char* what, const SubjectFile& expected,
+                       const std::string& name);
 
 }  // namespace verisq

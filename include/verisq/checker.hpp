@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
@@ -15,7 +16,8 @@
 
 namespace verisq {
 
-// What proves an enclosure again, without device, solver or search (docs/mathematics.md §2): a few vectors a point.
+// Certificates prove an enclosure again, without device, solver or search (docs/mathematics.md §2): a few vectors a
+// point.
 
 /// A vector v that bounds the signed distance of a point q to one primitive K, whatever v is: from below by
 /// (v·q - h(v)) / |v| with K's support function h, because K lies in the half-space {v·x <= h(v)}; from above by
@@ -33,7 +35,7 @@ struct Normal {
 /// The certificate of one enclosure [lo, hi] of the signed distance of a point q to a solid, or of the distance of a
 /// triangle (0 where it meets the union).
 ///
-/// Of a point and a union of primitives:
+/// For a point and a union of primitives:
 /// Lower end: with lo > 0, every primitive is farther than lo, by one of `normals` or by its bounding sphere. With
 /// lo <= 0, `escape` is a point outside all primitives that is no farther than -lo from q; in a model of a single
 /// primitive a normal serves as well.
@@ -41,16 +43,16 @@ struct Normal {
 /// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius), or by
 /// `cover`.
 ///
-/// Of a point and any model, also of set operations: `witness` is a point inside, no farther than hi from q where that
+/// For a point and any model, also of set operations: `witness` is a point inside, no farther than hi from q where that
 /// is not negative, `escape` one outside, no farther than -lo where lo is not positive. With lo > 0, or hi < 0, `cover`
 /// divides the cube about the ball of radius lo, or -hi, about q into cells of which each is proven to hold nothing of
 /// the solid, or of its complement, in the ball (docs/mathematics.md §28): in preorder true for a cell that is halved
 /// across the first of its longest edges, false for one that is not. `normals` tell on which side of their primitives
 /// the whole ball lies.
 ///
-/// Of a triangle with corners t_i and a union: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its
+/// For a triangle with corners t_i and a union: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its
 /// primitive, unless that is bent; the upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by
-/// the first normal, w being `weights`; 0 where q is in the first normal's primitive. Of a triangle and any model:
+/// the first normal, w being `weights`; 0 where q is in the first normal's primitive. For a triangle and any model:
 /// `witness` is a point inside, no farther than hi from q, any where q itself lies inside, and `cover` is that of the
 /// box about all points nearer to the triangle than lo.
 struct Certificate {
@@ -90,14 +92,23 @@ enum class Verdict {
   unproved,  ///< neither: the certificate proves less than the enclosure claims
 };
 
+[[nodiscard]] constexpr std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::proved: return "proved";
+    case Verdict::refuted: return "refuted";
+    case Verdict::unproved: break;
+  }
+  return "unproved";
+}
+
 struct Finding {
   Verdict verdict;
   Enclosure proven;  ///< what the certificate proves, rounded outward; an inner end is proven no farther than claimed
 };
 
-/// Of an uncertain model or point, the certificate of an enclosure proves two statements: its normals bound the
+/// For an uncertain model or point, the certificate of an enclosure proves two statements: its normals bound the
 /// distance to the largest (or inflated) model from below, with the escape if there is one, and that to the smallest
-/// from above, the first normal first; each normal proves what it can for either. Of a primitive K bent by β
+/// from above, the first normal first; each normal proves what it can for either. For a primitive K bent by β
 /// (docs/mathematics.md §9) a normal v proves a lower end where |β(x) - q|² lies above its tangent plane at β⁻¹(q - v)
 /// for all x of K that are near enough, and the upper end |q - β(b)|, b being β⁻¹(q - v) scaled to K's surface; with
 /// hi < 0, that the ball of radius -hi lies inside, which is -hi along -v from q the nearest to the boundary. Immutable
@@ -130,7 +141,7 @@ class Checker {
 
 // The cubes of an octree, exactly where they are.
 
-/// What is proven of a cube. The numbers are those of the array `colour` in a `.vtu`.
+/// The side of the solid on which a cube is proven to lie. The numbers are those of the array `colour` in a `.vtu`.
 enum class CubeColour : std::uint8_t {
   white = 0,  ///< no point of it lies in the solid
   gray = 1,   ///< undecided
@@ -177,8 +188,8 @@ class OctreeChecker {
   OctreeChecker(const Model& model, const OctreeRoot& root, std::span<const OctreeCube> cubes);
   ~OctreeChecker();
 
-  /// What has to be proven for `volume` to contain that of the solid: of the black cubes, and, as white ones, of what
-  /// black and gray ones leave of the root, and of all about it that the model may reach.
+  /// The cubes that must be proven for `volume` to contain the solid's volume: all black cubes, and as white ones the
+  /// rest of the root and all space about it that the model may reach.
   [[nodiscard]] const std::vector<ColouredCube>& cubes() const;
   /// That of the black cubes, and of black and gray ones together with 2^-40 of its half-width about the root, rounded
   /// outward.

@@ -97,7 +97,7 @@ struct Fitness {
 /// from an upper end that is infinite; [-infinity, 1] for what is no interval (NaN).
 [[nodiscard]] Enclosure value(const Fitness& fitness, const Enclosure& distance);
 
-// What proven distances of a bone's points say together: of all of them, and of each area.
+// Proven distances of a bone's points, summed up: for all of them, and for each area.
 
 struct Area {
   std::string name;
@@ -105,8 +105,8 @@ struct Area {
   [[nodiscard]] bool operator==(const Area&) const = default;
 };
 
-/// Of one area: for how many of its points it is proven that the distance lies in `Fitness::serves`, that it does not,
-/// and neither.
+/// One area: the number of its points whose distance is proven to lie in `Fitness::serves`, is proven not to, and is
+/// neither.
 struct AreaClearance {
   Area area;
   std::uint64_t points = 0;
@@ -114,13 +114,13 @@ struct AreaClearance {
   std::uint64_t proven_outside = 0;
   std::uint64_t undecided = 0;
   Enclosure smallest_distance;  ///< of its points
-  // Of the signed distances of its points, each point counting once; undefined for an area without points.
+  // Statistics of the signed distances of its points. Each point counts once. Undefined for an area without points.
   Enclosure mean_distance{};
   Enclosure median_distance{};  ///< no more than half of them are farther, no more than half nearer
   Enclosure distance_of_95{};   ///< so near are at least 95 % of them, by the nearest rank
 };
 
-/// Of all points; `map` is of the map that found their distances.
+/// All points together; `map` sums up the map that found their distances.
 struct Clearance {
   MapSummary map;
   Enclosure objective;                ///< F of Eq. (4)
@@ -131,9 +131,9 @@ struct Clearance {
   std::vector<AreaClearance> areas;   ///< as in the cavity
 };
 
-// What a fit claims of the distances of a bone's vertices, number by number, and what proven distances prove of it.
+// The numbers that a fit claims about the distances of a bone's vertices, and what proven distances prove of each.
 
-/// What the numbers are of: which distances serve, how deep points may lie, and which area each of them is of.
+/// The terms of these numbers: which distances serve, how deep points may lie, and the area of each point.
 struct ClearanceTerms {
   Fitness fitness;
   double penetration_limit;
@@ -155,12 +155,12 @@ struct ClearanceClaim {
 [[nodiscard]] std::vector<ClearanceClaim> claims_of(const Clearance& clearance,
                                                     const std::optional<Enclosure>& surface = {});
 
-/// What distances that enclose those of the points say together; its `map` is empty. Precondition: as many as `area_of`
+/// Sums up enclosures of the points' distances; its `map` is empty. Precondition: as many as `area_of`
 /// has points.
 [[nodiscard]] Clearance clearance_of(const ClearanceTerms& terms, std::span<const Enclosure> distances);
 
-/// What is proven of each claim by `proven`, the clearance of proven distances, and by `surface`, which encloses that
-/// of all points of triangles. Claims of another name or area are unproved, by [-infinity, infinity].
+/// Judges each claim by `proven`, the clearance of proven distances, and by `surface`, which encloses the distance of
+/// all points of triangles. Claims of another name or area are unproved, by [-infinity, infinity].
 [[nodiscard]] std::vector<Finding> check(std::span<const ClearanceClaim> claims, const Clearance& proven,
                                          const std::optional<Enclosure>& surface = {});
 
@@ -208,7 +208,7 @@ struct AreaBox {
 // Proves how well a posed implant serves a cavity: the certified report of a fit.
 
 /// Maps all points of the cavity against the posed implant (any model) and sums up. The rows go to `sink` as they come.
-/// Of an interrupted map the report is of the rows delivered: the first `map.points` of the cavity. Errors as
+/// If the map was interrupted, the report covers the rows delivered: the first `map.points` of the cavity. Errors as
 /// Mapper.
 [[nodiscard]] Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
                                             double penetration_limit, const MapOptions& options,
@@ -297,7 +297,7 @@ enum class SideFinding : std::uint8_t {
 /// Immutable after construction: safe to call from many threads.
 class SideChecker {
  public:
-  /// Of any model, each of whose primitives is asked for on its own. Precondition: triangles of vertices that are
+  /// Takes any model; each of its primitives is asked for on its own. Precondition: triangles of vertices that are
   /// there, finite coordinates. Throws Error(input) for a mesh without sides, as `check_surface_has_sides`, a limit
   /// that is not finite and at least 0, and models that are none.
   SideChecker(const Model& model, const Mesh& surface, double penetration_limit);
@@ -343,16 +343,16 @@ struct Sides {
 /// Throws Error(input) unless the triangles enclose a side: manifold, and consistently oriented.
 void check_surface_has_sides(const Mesh& surface);
 
-/// Of each primitive what `SideChecker` finds. Of set operations a primitive is what its name says, all of it: whole
-/// primitives are proven to keep off the surface, which is more than is asked of a solid of which parts are cut away.
+/// Returns for each primitive what `SideChecker` finds. In a model of set operations the whole primitive is meant, with
+/// the parts that are cut away: to prove that it keeps off the surface is more than the solid needs.
 /// `covering_primitives` are those that hold it. Throws Error(input) unless `required` is one a primitive, and as
 /// SideChecker.
 [[nodiscard]] Sides prove_sides(
     const Model& model, const Mesh& surface, std::span<const SurfaceSide> required, double penetration_limit,
     const std::function<bool()>& interrupted = [] { return false; });
 
-/// What `SideChecker` can prove again: those sides that are kept, and not any. Precondition: `required` is what was
-/// asked of the same primitives.
+/// The sides that `SideChecker` can prove again: those that are kept, without `any`. Precondition: `required` is what
+/// was asked of the same primitives.
 [[nodiscard]] std::vector<SideClaim> claims_of(const Sides& sides, std::span<const SurfaceSide> required);
 
 }  // namespace verisq

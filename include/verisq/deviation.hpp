@@ -20,16 +20,16 @@
 
 namespace verisq {
 
-// What proves how far a mesh and a model's surface lie apart again, without device or search.
+// Certificates of how far a mesh and a model's surface lie apart: proven again without device or search.
 
-/// What tells the distances on a triangle, or on a part of it.
+/// How the distances on a triangle, or on a part of it, are bounded.
 enum class PieceProof : std::uint8_t {
   corners,  ///< those at its corners are enough
   centre,   ///< those, and that at its centroid
   halved,   ///< those of both halves: it is cut from the middle of its longest side to the corner across
 };
 
-/// Of a triangle with all of its parts in preorder.
+/// The proof of a triangle, with all of its parts in preorder.
 struct TriangleProof {
   std::vector<PieceProof> pieces;
   /// Signed distances, in the order of `pieces`: of `centre` at the piece's centroid, of `halved` at the middle of its
@@ -37,7 +37,7 @@ struct TriangleProof {
   std::vector<CertifiedEnclosure> samples;
 };
 
-/// What tells how far a patch of a primitive's surface lies from the mesh, or a part of it.
+/// How the distance from a patch of a primitive's surface, or a part of it, to the mesh is bounded.
 enum class PatchProof : std::uint8_t {
   near,           ///< the mesh's triangles themselves, of which the checker finds near ones
   off,            ///< it is no part of the boundary of the model's solid: a point of `SurfaceProof::off` says so
@@ -46,7 +46,7 @@ enum class PatchProof : std::uint8_t {
   on,             ///< all of it is part of that boundary: a point of `SurfaceCover::on` says so; what it is follows
 };
 
-/// Of all primitives, halved ones included: what more would take to follow no checker need have.
+/// The largest number of patches of all primitives together, halved ones included: it limits a checker's work.
 inline constexpr std::size_t most_patches = std::size_t{1} << 22U;
 
 /// A point and its signed distance to the model.
@@ -73,7 +73,7 @@ struct SurfaceProof {
   CertifiedPoint farthest;
 };
 
-/// Of a mesh, or of a cloud, which has no triangles.
+/// The certificate of a mesh, or of a cloud, which has no triangles.
 struct DeviationCertificate {
   std::vector<CertifiedEnclosure> vertices;  ///< signed distances
   std::vector<TriangleProof> triangles;
@@ -87,11 +87,11 @@ struct DistanceSummary {
   std::vector<Enclosure> percentiles = {};  ///< the least distances that so many percent do not exceed
 };
 
-/// What is proven of each number that is claimed: the largest, the mean, then the percentiles. Precondition: as many
+/// Judges each number that is claimed: the largest, the mean, then the percentiles. Precondition: as many
 /// percentiles, of the same percents.
 [[nodiscard]] std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary& proven);
 
-/// Of one number.
+/// Judges one number.
 [[nodiscard]] Finding check(const Enclosure& claimed, const Enclosure& proven);
 
 /// Enclosures of the mean of a surface's distances by area, and of percentiles.
@@ -102,7 +102,7 @@ struct AreaStatistics {
   [[nodiscard]] bool operator==(const AreaStatistics&) const = default;
 };
 
-/// What is proven of the mean, then of the percentiles. Precondition: as many, of the same percents.
+/// Judges the mean, then the percentiles. Precondition: as many, of the same percents.
 [[nodiscard]] std::vector<Finding> check(const AreaStatistics& claimed, const AreaStatistics& proven);
 
 struct ProvenDeviation {
@@ -131,8 +131,9 @@ class DeviationChecker {
     CheckOptions check;
   };
 
-  /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, [0, infinity] where
-  /// it proves nothing; how far the model lies from the mesh no closer than `SurfaceProof::within`. Precondition:
+  /// Returns what the certificate proves about this mesh, whatever it holds: enclosures of the exact numbers, [0,
+  /// infinity] where it proves nothing. The model's distance from the mesh is bounded no closer than
+  /// `SurfaceProof::within`. Precondition:
   /// finite coordinates, triangles of vertices that are there; as many certificates as vertices and triangles; no claim
   /// holds a NaN.
   [[nodiscard]] ProvenDeviation operator()(const Mesh& mesh, const DeviationCertificate& certificate,
@@ -145,8 +146,8 @@ class DeviationChecker {
 
 // Proves how far a mesh and the surface of a model lie apart, both ways: the two-sided Hausdorff distance.
 //
-// Of the model its boundary counts, of the mesh the triangles as their binary64 corners state them (of a cloud its
-// points); distances are Euclidean and not signed. The mesh need not be closed, oriented or manifold.
+// Distances are between the model's boundary and the triangles that the mesh's binary64 corners state (a cloud's
+// points). They are Euclidean and not signed. The mesh need not be closed, oriented or manifold.
 
 struct DeviationOptions {
   /// How wide an enclosure of the result may be: this share of its upper end, but never less than 1e-6 of the model's
@@ -169,7 +170,7 @@ struct DeviationOptions {
   std::function<void(std::string_view stage, double done)> progress = [](std::string_view, double) {};
 };
 
-/// Of the distances of a set of points: all vertices, each of the same weight, or a whole surface, by area.
+/// Statistics of the distances of a set of points: all vertices, each of the same weight, or a whole surface, by area.
 struct DistanceStatistics {
   Enclosure largest{0.0, infinity};  ///< the supremum
   Point farthest{};                  ///< about where: a point of the set within rounding of it is `largest.lo` away
@@ -210,19 +211,19 @@ struct CertifiedDeviation {
   std::string without_surface;  ///< why it says nothing of the model's surface; empty where it does, or none was found
 };
 
-/// Of what `deviation` found with the same arguments: from the mesh to the model vertices, and of a mesh with triangles
-/// all of their points; where it is found, the largest distance of the model's surface from the mesh. Largest distances
-/// are about as tight as those found; mean and percentiles, of the mesh alone, as the samples leave them, of which
-/// those that nothing else needs are left out where the certificate would take more than about so many `bytes` as a
-/// file (verisq/certificate_file.hpp); what the model's surface takes is at most half of that. Uses no device;
-/// `progress`, `interrupted` as there, no time limit. Precondition: `found` is not interrupted.
+/// Certifies what `deviation` found with the same arguments: the distances from the vertices to the model and, of a
+/// mesh with triangles, from all of their points; and, where it is found, the largest distance of the model's surface
+/// from the mesh. Largest distances are about as tight as those found; mean and percentiles, of the mesh alone, as the
+/// samples leave them, of which those that nothing else needs are left out where the certificate would take more than
+/// about so many `bytes` as a file (verisq/certificate_file.hpp); what the model's surface takes is at most half of
+/// that. Uses no device; `progress`, `interrupted` as there, no time limit. Precondition: `found` is not interrupted.
 /// Throws Error(input) where the largest length is below 1e-144 or above 1e144.
 [[nodiscard]] CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, const Deviation& found,
                                                      const DeviationOptions& options, std::size_t bytes = 64'000'000);
 
-// What proves again how much of a mesh's area lies close to a model's surface, without device or search.
+// Certificates of how much of a mesh's area lies close to a model's surface: proven again without device or search.
 
-/// What is in contact, and by which triangles.
+/// Which points are in contact, and which triangles count.
 struct ContactTerms {
   double distance;  ///< no farther from the model's surface is contact, from inside as from outside; model units, >= 0
   /// A region of each triangle, below `regions`. Empty: there are none.
@@ -232,7 +233,7 @@ struct ContactTerms {
   std::vector<bool> counted = {};
 };
 
-/// What is claimed of all triangles, or of those of a region. Areas in squares of the model unit.
+/// The claim about all triangles, or about those of a region. Areas in squares of the model unit.
 struct ContactClaim {
   Enclosure area;     ///< of all
   Enclosure within;   ///< of what is in contact
@@ -245,11 +246,12 @@ struct ContactClaim {
 struct ContactClaims {
   ContactClaim of_mesh;                 ///< of all triangles
   std::vector<ContactClaim> by_region;  ///< of each region's
-  /// Of what of the model's boundary is surface of the primitives that count; there only with a `SurfaceCover`.
+  /// The claim about that part of the model's boundary which belongs to the primitives that count. Only with a
+  /// `SurfaceCover`.
   std::optional<ContactClaim> of_model = {};
 };
 
-/// What tells the signed distance of a vertex.
+/// How the signed distance of a vertex is bounded.
 struct VertexProof {
   std::optional<CertifiedEnclosure> own;  ///< at the vertex itself
   /// Without it: a vertex that has one; the distance between both vertices is added to either end.
@@ -277,7 +279,7 @@ struct ProvenContact {
   bool interrupted = false;            ///< nothing is said then
 };
 
-/// Of one claim: its area, what of that is in contact, the share in percent.
+/// Judges one claim: its area, the area in contact, the share in percent.
 [[nodiscard]] std::array<Finding, 3> check(const ContactClaim& claimed, const AreaWithin& proven);
 
 /// Whether all of them are proved; also that of the model's surface, where there is one. Precondition: as many regions.
@@ -292,9 +294,9 @@ class ContactChecker {
   ContactChecker(ContactChecker&&) noexcept;
   ContactChecker& operator=(ContactChecker&&) noexcept;
 
-  /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, of which those of
-  /// areas of the mesh need no certificate; [0, 1] of a share where it proves nothing, of the model's surface [0,
-  /// infinity] of areas. A point of that is in contact by its distance from the triangles. Precondition: finite
+  /// Returns what the certificate proves about this mesh, whatever it holds: enclosures of the exact numbers. Areas of
+  /// the mesh need no certificate. Where it proves nothing a share is [0, 1], and an area of the model's surface is [0,
+  /// infinity]. A point of the model's surface is in contact by its distance from the triangles. Precondition: finite
   /// coordinates, triangles of vertices that are there; as many proofs as vertices; no claim holds a NaN; a finite
   /// distance of at least 0; a region of each triangle, or none at all; of each primitive whether it counts, or of
   /// none; triangles where there is a `SurfaceCover`.
@@ -345,10 +347,10 @@ struct CertifiedContact {
   ProvenContact proven;  ///< `interrupted`: there is no certificate
 };
 
-/// Of what `contact_areas` found with the same arguments, of the mesh; the model's own surface has no certificate.
-/// Divides triangles as it does, those of which it is least known what is in contact, until that is known as well as it
-/// was found, or the certificate takes more than about so many `bytes` as a file (verisq/certificate_file.hpp).
-/// `progress` is told how much is done, from 0 to 1. Throws Error as contact_areas.
+/// Certifies what `contact_areas` found of the mesh with the same arguments; the model's own surface has no
+/// certificate. Divides triangles as it does, those of which it is least known what is in contact, until that is known
+/// as well as it was found, or the certificate takes more than about so many `bytes` as a file
+/// (verisq/certificate_file.hpp). `progress` is told how much is done, from 0 to 1. Throws Error as contact_areas.
 [[nodiscard]] CertifiedContact certified_contact(
     const Model& model, const Mesh& mesh, const ContactAreas& found, const ContactAreaOptions& options,
     const std::function<void(double)>& progress = [](double) {}, std::size_t bytes = 60'000'000);

@@ -24,7 +24,7 @@ namespace verisq {
 /// An interval for each coordinate of a point or a vector: x, y, z.
 using EnclosedPoint = std::array<Enclosure, 3>;
 
-/// What is proven of the points p of the model's surface that are closest to a point x, all in the model's frame
+/// The points p of the model's surface that are closest to a point x, enclosed, all in the model's frame
 /// (docs/mathematics.md §25). sd is the signed distance of x.
 struct ClosestPoint {
   Enclosure distance;    ///< contains sd
@@ -38,7 +38,7 @@ struct ClosestPoint {
   bool unique;
 };
 
-/// What the signed distance alone says: no closest point is farther. Not unique.
+/// The ball that the signed distance alone gives: no closest point is farther. Not unique.
 [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& x);
 
 /// The derivatives of sd when x is moved by a small rigid motion: a translation, then a rotation about `centre` by the
@@ -48,9 +48,9 @@ struct ClosestPoint {
 [[nodiscard]] std::array<Enclosure, 6> gradient_by_motion(const ClosestPoint& closest, const Point& x,
                                                           const Point& centre);
 
-// What proves an enclosure of the distance of two models again, without device, solver or search.
+// Certificates prove an enclosure of the distance of two models again, without device, solver or search.
 
-/// What bounds the distance of two convex primitives A and B from both sides. From below by
+/// Bounds the distance of two convex primitives A and B from both sides. From below by
 /// (v·c - h_A(v) - h_B(-v)) / |v|, where c leads from A's centre to B's; from above by the distance of the points
 /// a / max(1, g_A(a)) of A and b / max(1, g_B(b)) of B. `vector` and `on_a` in A's own frame, `on_b` in B's.
 struct Separation {
@@ -99,8 +99,8 @@ struct SurroundedPrimitive {
   std::vector<bool> cover;  ///< as Certificate::cover, of the primitive's neighbourhood (docs/mathematics.md §28)
 };
 
-/// Of models that both are is_union_of_convex `separations` count: the first decides the upper end, a pair without one
-/// is far by its bounding spheres. Of all others `divisions`, balls, covers and `near_points` do.
+/// If both models are is_union_of_convex, `separations` count: the first decides the upper end, and a pair without one
+/// is far by its bounding spheres. For all other models `divisions`, balls, covers and `near_points` count.
 struct PairCertificate {
   std::vector<Separation> separations = {};
   std::vector<DividedSeparation> divisions = {};
@@ -161,7 +161,7 @@ struct ClosestPoints {
   bool unique;  ///< proven: there is exactly one pair of closest points
 };
 
-/// What holds for every member of A and every member of B, where these are uncertain.
+/// Holds for every member of A and every member of B, where these are uncertain.
 struct ModelDistance {
   Enclosure distance;
   Proximity proximity;
@@ -183,7 +183,7 @@ class PairDistance {
   /// Where `interrupted`, polled after each pair of primitives, says so, what is proven by then: valid, and wide.
   [[nodiscard]] ModelDistance operator()(const Pose& pose = {}, const std::function<bool()>& interrupted = {}) const;
 
-  /// What earlier poses proved, for the next ones. Not for several threads at once.
+  /// Keeps what earlier poses proved, for the next ones. Not for several threads at once.
   class Memory {
    public:
     Memory();
@@ -270,15 +270,15 @@ class SignedDistance {
 // The closest points of many points, and of two models in many poses, by all processors of the host.
 
 struct ClosestPointOptions {
-  /// Of distances where no closest point is proven, as that of SignedDistance; model units.
+  /// The tolerance of distances where no closest point is proven, as of SignedDistance; model units.
   double tolerance;
-  /// What is known of these distances; then nothing is searched for. Empty, or as many as points.
+  /// Known enclosures of these distances; with them nothing is searched for. Empty, or as many as points.
   std::span<const Enclosure> known = {};
   /// Polled by several threads; once true, it must stay true, and ends the work early. Empty: never.
   std::function<bool()> interrupted = {};
 };
 
-/// What was found of many points.
+/// Sums up the closest points of many points.
 struct ClosestPointSummary {
   std::size_t points = 0;      ///< finished rows, from the front: all unless interrupted
   std::size_t unique = 0;      ///< of these
@@ -299,11 +299,11 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
 ClosestPointSummary closest_points(const PairDistance& distance, std::span<const Pose> poses,
                                    std::span<ClosestPoints> rows, const std::function<bool()>& interrupted = {});
 
-/// Of finished rows.
+/// Sums up finished rows.
 [[nodiscard]] ClosestPointSummary summary_of(std::span<const ClosestPoint> rows);
 [[nodiscard]] ClosestPointSummary summary_of(std::span<const ClosestPoints> rows);
 
-/// Of the rows of both.
+/// The summary of the rows of both.
 [[nodiscard]] ClosestPointSummary joined(const ClosestPointSummary& a, const ClosestPointSummary& b);
 
 // The host's own proof of the distance of a triangle to a model: Boost.Interval and MPFR, no OpenCL.
@@ -416,13 +416,14 @@ class PairChecker {
   PairChecker(PairChecker&&) noexcept;
   PairChecker& operator=(PairChecker&&) noexcept;
 
-  /// What the certificate proves about the distance of A and of B moved by `pose`, whatever it holds: an enclosure of
-  /// the exact distance, [0, infinity] if it proves nothing. Primitives that a model does not have, and vectors and
-  /// points that are not finite, prove nothing. Once `interrupted`, polled unless empty, says so, less is proven.
+  /// Returns what the certificate proves about the distance of A and of B moved by `pose`, whatever it holds: an
+  /// enclosure of the exact distance, [0, infinity] if it proves nothing. Primitives that a model does not have, and
+  /// vectors and points that are not finite, prove nothing. Once `interrupted`, polled unless empty, says so, less is
+  /// proven.
   [[nodiscard]] Enclosure prove(const Pose& pose, const PairCertificate& certificate,
                                 const std::function<bool()>& interrupted = {}) const;
 
-  /// What that says of a claim about this distance: never `proved` of an enclosure that does not contain it.
+  /// Judges a claim about this distance: never `proved` for an enclosure that does not contain it.
   /// `unproved` says nothing once interrupted. Precondition: `claimed` holds no NaN.
   [[nodiscard]] Finding operator()(const Pose& pose, const Enclosure& claimed, const PairCertificate& certificate,
                                    const std::function<bool()>& interrupted = {}) const;
@@ -468,7 +469,7 @@ inline constexpr double published_accuracy = 1e-6;
 [[nodiscard]] Enclosure published_distance(const Primitive& a, const Primitive& b,
                                            double accuracy = published_accuracy);
 
-/// What the method starts from: GJK alone, in floating point. Nothing proves it.
+/// The number that the method starts from: GJK alone, in floating point. Nothing proves it.
 [[nodiscard]] double unverified_distance(const Primitive& solid, const Point& point,
                                          double accuracy = published_accuracy);
 [[nodiscard]] double unverified_distance(const Primitive& a, const Primitive& b, double accuracy = published_accuracy);

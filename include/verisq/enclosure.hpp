@@ -1,4 +1,4 @@
-/// What every query returns: an interval of binary64 numbers that contains the exact real result.
+/// The answer of every query: an interval of binary64 numbers that contains the exact real result.
 #pragma once
 
 #include <algorithm>

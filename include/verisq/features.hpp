@@ -15,7 +15,7 @@ namespace verisq {
 
 // Features of a femur, of landmarks that are known to a given radius: what a surgeon plans to keep (paper, section 1).
 
-/// Of the patient.
+/// The patient's side.
 enum class Side { left, right };
 
 /// Points of a femur; what is missing was not found, or not given. Two points make an axis.
@@ -95,7 +95,7 @@ struct FemurFeatures {
 [[nodiscard]] FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
                                             double landmark_radius, const FemurLandmarks& implant);
 
-/// What was seen of a mesh, in words for a summary.
+/// The landmarks that were found in a mesh, with words for a summary.
 struct DetectedFemur {
   FemurLandmarks landmarks;
   std::optional<Side> side;        ///< as given, or of a whole femur as found
@@ -108,7 +108,7 @@ struct DetectedFemur {
 /// no long axis, no head of a radius of 12 to 35 mm, no neck, or no shaft; and for a side that the condyles contradict.
 [[nodiscard]] DetectedFemur detect_femur(const Mesh& mesh, std::optional<Side> side = {});
 
-// What is claimed of a femur's features, and what 127-bit intervals prove of it: the landmarks are all the proof.
+// Claims about a femur's features, which 127-bit intervals prove again: the landmarks are all the proof.
 
 /// As `femur_features` and `implant_changes` say of the same landmarks.
 struct FeatureClaims {
@@ -124,7 +124,7 @@ struct FeatureClaims {
 /// In the order of the claims. Those of another name, method or unit, or that the landmarks do not tell, are unproved.
 struct FeatureFindings {
   std::vector<Finding> features;
-  /// Of x, y, z: how far each true axis tilts from the claimed direction, in degrees, claimed no more than its tilt.
+  /// For x, y, z: how far each true axis tilts from the claimed direction, in degrees. The claim is at most its tilt.
   std::optional<std::array<Finding, 3>> frame;
   std::vector<Finding> changes;
 

@@ -96,6 +96,9 @@ class PointFile {
   std::unique_ptr<State> state_;
 };
 
+/// The points of such a file, or the vertices of a mesh: all of them, without triangles. Throws Error(input) likewise.
+[[nodiscard]] Mesh read_cloud(const std::filesystem::path& path);
+
 // Streams poses from a CSV file `tx,ty,tz,qw,qx,qy,qz`, a chunk at a time, so that memory does not grow with the file.
 
 /// A line is a translation in model units and a quaternion of any length but zero. A header line is optional. Throws
@@ -163,7 +166,7 @@ struct LabelCount {
 /// The same volume in other coordinates. Precondition: neither space is unknown, unless they are the same.
 [[nodiscard]] LabelVolume in_space(LabelVolume volume, AnatomicalSpace space);
 
-/// Of one voxel, to nearest.
+/// The volume of one voxel, to nearest.
 [[nodiscard]] double voxel_volume(const LabelVolume& volume);
 
 }  // namespace verisq

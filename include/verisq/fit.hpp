@@ -26,7 +26,7 @@ struct PoseRange {
 // Searches for the pose and the sizes of an implant that serve a cavity best: the paper's Eq. (4). A search in
 // floating point: nothing here is proven; `clearance.hpp` proves what was found.
 
-/// What is asked of the pose of an implant: a number within a range.
+/// A condition on the pose of an implant: a number within a range.
 struct FitConstraint {
   std::string name;
   Enclosure range;  ///< ends may be infinite
@@ -35,7 +35,7 @@ struct FitConstraint {
   std::function<Enclosure(std::size_t implant, const Pose& pose)> value;
 };
 
-/// What a fit makes as large as it can.
+/// The number that a fit makes as large as it can.
 enum class FitObjective : std::uint8_t {
   fitness,  ///< F of Eq. (4)
   size,     ///< the implant: of sizes to choose from, and of a series; what is left free then serves F
@@ -45,8 +45,8 @@ enum class FitObjective : std::uint8_t {
 /// several of them hold counts as often. Bends change no volume; what set operations cut away counts, too.
 [[nodiscard]] double implant_size(const Model& implant);
 
-/// What is asked of contact: that of these points, by weight, the share that the implant is no farther from lies within
-/// a range.
+/// A condition on contact: the share of these points, by weight, from which the implant is no farther lies within a
+/// range.
 struct FitContact {
   std::string name;
   std::vector<Point> points;    ///< about evenly over an area; at least one
@@ -66,8 +66,8 @@ struct FitOptions {
   double penetration_limit;        ///< no point of the cavity's surface deeper inside the implant, in model units; >= 0
   double surface_tolerance = 0.0;  ///< how close to the limit triangles are still decided; > 0 where there are any
   PoseRange range;
-  /// Of the cavity's triangles, one a primitive for each implant, which the search keeps to where it can: whether it
-  /// did, prove_sides tells. Empty: each may be anywhere.
+  /// The required side of the cavity's triangles, one a primitive for each implant. The search keeps to it where it
+  /// can; prove_sides tells whether it did. Empty: each may be anywhere.
   std::vector<std::vector<SurfaceSide>> sides = {};
   /// Which the search keeps to where it can: whether the values do at its pose is the caller's to see.
   std::vector<FitConstraint> constraints = {};
@@ -89,7 +89,7 @@ struct FitMovement {
   std::vector<std::string> at_limits;  ///< which ranges end here: "translation along x", "semi-axis 2 of body", ...
 };
 
-/// What the search came across and did not choose. Nothing of it is proven.
+/// A pose that the search found and did not choose. Nothing about it is proven.
 struct FitFinalist {
   std::size_t implant;  ///< index in the series
   Pose pose;

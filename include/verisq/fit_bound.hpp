@@ -28,12 +28,12 @@ struct BestFitClaim {
   double upper;                ///< -infinity: no pose of the range keeps the limit
 };
 
-/// What becomes of a box of poses: it is bounded as it is, or halved, along one of the three translations or of the
-/// three coordinates of the rotation vector.
+/// A box of poses is bounded as it is, or halved along one of the three translations or of the three coordinates of
+/// the rotation vector.
 enum class PoseDivision : std::uint8_t { along_x, along_y, along_z, about_x, about_y, about_z, none };
 
-/// What proves the claim, whatever it holds: of each implant the range with all of its parts in preorder, the half of
-/// the smaller parameters first.
+/// The certificate of the claim: for each implant the range with all of its parts in preorder, the half of the smaller
+/// parameters first.
 struct BestFitCertificate {
   std::vector<std::vector<PoseDivision>> ranges;
 };
@@ -62,8 +62,8 @@ class BestFitChecker {
   BestFitChecker(BestFitChecker&&) noexcept;
   BestFitChecker& operator=(BestFitChecker&&) noexcept;
 
-  /// What the certificate proves, whatever it holds: of an implant whose divisions make no sense the sum of the
-  /// weights. Where few of its boxes are bounded by more than the claim, these are halved further.
+  /// Returns the bound that the certificate proves, whatever it holds: the sum of the weights for an implant whose
+  /// divisions make no sense. If few boxes are bounded by more than the claim, these are halved further.
   [[nodiscard]] ProvenBestFit operator()(const BestFitCertificate& certificate, const CheckOptions& options) const;
 
   /// The same where boxes whose bound is above `enough` are halved further, by no more than `further` levels. Once
@@ -76,7 +76,7 @@ class BestFitChecker {
   std::unique_ptr<State> state_;
 };
 
-/// Of a bound: never `proved` of a claim that is not true.
+/// Judges a bound: never `proved` for a claim that is not true.
 [[nodiscard]] Verdict check(const BestFitClaim& claim, const ProvenBestFit& proven);
 
 // How good a fit can be at best: a proven upper bound of the objective over all poses of a range (docs/mathematics.md
@@ -136,15 +136,16 @@ struct CertifiedBestFit {
   BestFitCertificate certificate;
 };
 
-/// What a bound is of.
+/// The terms of a bound.
 struct BestFitTerms {
   Fitness fitness;
   double penetration_limit;
   PoseRange range;
 };
 
-/// Of a bound that `bound_fit` found of the same series, cavity and terms: its boxes, halved further where their
-/// bound in intervals is larger. Nothing where `interrupted` ended it. Throws Error(input) as `bound_fit`.
+/// Certifies a bound that `bound_fit` found for the same series, cavity and terms: by its boxes, halved further where
+/// their bound in intervals is larger. Returns nothing where `interrupted` ended it. Throws Error(input) as
+/// `bound_fit`.
 [[nodiscard]] std::optional<CertifiedBestFit> certified_best_fit(std::span<const UncertainModel> series,
                                                                  const Cavity& cavity, const BestFitTerms& terms,
                                                                  const FitBound& bound, const CheckOptions& check);

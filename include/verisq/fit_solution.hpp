@@ -1,4 +1,4 @@
-/// What is asked of a fit, and its solution: the pose and the sizes of an implant, and the proof of how well it serves.
+/// A fit's requirements and its solution: the pose and the sizes of an implant, and the proof of how well it serves.
 #pragma once
 
 #include <cstddef>
@@ -21,18 +21,18 @@
 
 namespace verisq {
 
-// What is asked of a fit, and the problem that this is: which side of which surface, areas, features that are kept.
+// A fit's requirements, and the problem that follows: which side of which surface, areas, features that are kept.
 
 enum class Completion : std::uint8_t { cementless, cemented };
 
-/// What the mesh bounds.
+/// The solid or room that the mesh bounds.
 enum class FitSurface : std::uint8_t {
   cavity,   ///< the room that the implant lies in
   bone,     ///< what it lies outside of
   unsided,  ///< sides do not matter
 };
 
-/// What a change of a feature, or an area of contact, has to be within.
+/// The range that a change of a feature, or an area of contact, must lie in.
 struct KeptFeature {
   /// As implant_changes names it; of contact, in percent: "contact" (of the mesh's area), "contact:AREA" (of one area
   /// of it), "implant_contact" (of the surface of the primitives that have to lie on a side; of all where none has to).
@@ -105,7 +105,7 @@ struct FitProblem {
 /// is, or that is not what is said, primitives, areas and features that are not there.
 [[nodiscard]] FitProblem fit_problem(FitRequest request);
 
-/// What the implant of the series changes of the bone in this pose; nothing without the bone's landmarks.
+/// The changes of the bone's features by this implant of the series in this pose; empty without the bone's landmarks.
 [[nodiscard]] FemurFeatures changes_of(const FitProblem& problem, std::size_t implant, const Pose& pose);
 
 /// Whether a number known to be within `value` lies in the range; nothing where that is open.
@@ -114,7 +114,7 @@ struct FitProblem {
 /// Every change that a range is asked of is there, and proven to be within it.
 [[nodiscard]] bool is_preserved(const FemurFeatures& changes, std::span<const KeptFeature> kept);
 
-// What is asked of a fit, each thing with what is proven of it, and whether it keeps the fit from being better.
+// The conditions on a fit: each with what is proven of it, and whether it keeps the fit from being better.
 
 enum class ConditionUnit : std::uint8_t { none, length, degrees, percent };
 
@@ -158,7 +158,8 @@ struct FitTrial {
 /// Nothing of `fit` is proven.
 struct FitSolution {
   Fit fit;
-  /// What else was found, the best first; where the size is to be largest, each larger implant that was tried.
+  /// The other fits that were found, the best first; where the size is to be largest, each larger implant that was
+  /// tried.
   std::vector<FitTrial> trials = {};
   std::optional<FitBound> bound = {};  ///< nothing where it is not asked for, or the search was interrupted
   double bound_seconds = 0.0;          ///< wall time
@@ -175,7 +176,7 @@ struct FitSolution {
 /// a fit may take. Throws Error as mesh_clearance. Precondition: a mesh with triangles.
 [[nodiscard]] MeshClearance prove_surface(const FitProblem& problem, const Model& model, const MapOptions& options);
 
-/// What is proven of the fitted implant, as its numbers state it.
+/// The proof about the fitted implant, as its numbers state it.
 struct FitProof {
   Clearance clearance;
   std::optional<MeshClearance> surface;      ///< nothing where only vertices keep the limit
@@ -184,9 +185,8 @@ struct FitProof {
   std::optional<ContactAreas> contact;       ///< nothing for a mesh without triangles
   std::vector<FitCondition> conditions;      ///< all that is asked
   std::vector<std::string> unfinished = {};  ///< what the time limit, or an interruption, left open, in words
-  /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing without a
-  /// bound, and unless every vertex is proven to keep the limit that the bound is for, and the objective to be
-  /// positive.
+  /// By how much the proven objective is below the bound at most, as a share of the bound, rounded up. Nothing without
+  /// a bound, or unless every vertex is proven to keep the bound's limit and the objective to be positive.
   std::optional<double> gap;
 };
 
@@ -197,7 +197,7 @@ struct FitProof {
 [[nodiscard]] FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const MapOptions& options,
                                  const Sink<Point>& sink);
 
-/// What proves the areas in contact of `proof` again, as certified_contact; not that of the implant's own surface.
+/// Certifies the areas in contact of `proof`, as certified_contact; not that of the implant's own surface.
 /// `interrupted` as `FitSolutionOptions` have it. Precondition: they are there.
 [[nodiscard]] CertifiedContact certified_contact(
     const FitProblem& problem, const Fit& fit, const FitProof& proof, const std::function<bool()>& interrupted,

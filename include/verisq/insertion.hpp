@@ -34,7 +34,7 @@ struct WayPart {
   [[nodiscard]] bool operator==(const WayPart&) const = default;
 };
 
-/// What proves an enclosure [lo, hi] of the smallest signed distance along a path, whatever it holds.
+/// The certificate of an enclosure [lo, hi] of the smallest signed distance along a path.
 struct InsertionCertificate {
   double deepest = 0.0;        ///< a time, of which the distance is at most hi
   Certificate at_deepest;      ///< of the point at that time
@@ -69,8 +69,8 @@ class InsertionChecker {
 // Proves the smallest signed distance of a bone's whole surface to an implant on its way in again: MPFR, no OpenCL, no
 // search.
 
-/// What becomes of a piece of a triangle on a part of the way. At first the piece is the triangle, the part all of the
-/// way.
+/// How a piece of a triangle is bounded on a part of the way. At first the piece is the triangle, and the part is the
+/// whole way.
 enum class WayCell : std::uint8_t {
   by_vertices,  ///< the proven distances of the triangle's vertices, which change by no more than the place, suffice
   moved,        ///< moved out of the implant, the piece is clear of it all the while
@@ -85,8 +85,8 @@ inline constexpr int most_quarterings = 20;
 /// have.
 inline constexpr std::size_t most_cells_of_way_surface = std::size_t{1} << 21U;
 
-/// What the piece sweeps on the part of the way, as the resting implant sees it, lies within a bulge of the convex hull
-/// of where its corners begin and end. That hull, moved by `step`, is outside of each primitive, beyond a half-space of
+/// As the resting implant sees it, the piece sweeps a region within a bulge of the convex hull of the places where its
+/// corners begin and end. That hull, moved by `step`, is outside of each primitive, beyond a half-space of
 /// one of its `normals`, or of one that the checker tries where it has none here. Then nothing in the cell is deeper
 /// inside than the step is long, but for the bulge (docs/mathematics.md §16).
 struct MovedCell {
@@ -115,8 +115,8 @@ struct WayWitness {
   [[nodiscard]] bool operator==(const WayWitness&) const = default;
 };
 
-/// What proves an enclosure [lo, hi] of the smallest signed distance of all points of all triangles along the way,
-/// beside what is proven of their vertices, whatever it holds.
+/// The certificate of an enclosure [lo, hi] of the smallest signed distance of all points of all triangles along the
+/// way, beside the proofs of their vertices.
 struct WaySurfaceCertificate {
   std::optional<WayWitness> deepest;   ///< its distance is at most hi; none where a vertex is as deep
   std::vector<WayTriangle> triangles;  ///< in the order of the mesh; of all others the vertices suffice
@@ -221,9 +221,9 @@ struct CertifiedInsertion {
   MapSummary summary;  ///< as of the rows that were found
 };
 
-/// Of what `smallest_distance_along` found with the same arguments. Rows are about as tight as those, and wide where a
-/// certificate would have too many parts. Interrupted, it has the rows that are proven by then, the first ones; no
-/// device is used. Throws Error(input) unless the implant is is_union_of_convex. Precondition: `found` has a row for
+/// Certifies what `smallest_distance_along` found with the same arguments. Rows are about as tight as those, and wide
+/// where a certificate would have too many parts. Interrupted, it has the rows that are proven by then, the first ones;
+/// no device is used. Throws Error(input) unless the implant is is_union_of_convex. Precondition: `found` has a row for
 /// each point of the bone.
 [[nodiscard]] CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& implant,
                                                      std::span<const Point> bone, const Insertion& found,
@@ -237,8 +237,8 @@ struct CertifiedWaySurface {
   bool interrupted = false;  ///< then there is neither
 };
 
-/// Of what `mesh_clearance_along` found with the same arguments, and of what certificates prove of each vertex
-/// (certified_insertion.hpp). About as tight as what was found, and wider where a certificate would have too many
+/// Certifies what `mesh_clearance_along` found with the same arguments, given what certificates prove of each vertex
+/// (`certified_insertion`). About as tight as what was found, and wider where a certificate would have too many
 /// cells. No device is used. Throws Error(input) as WaySurfaceChecker.
 [[nodiscard]] CertifiedWaySurface certified_way_surface(std::span<const Pose> path, const Model& implant,
                                                         const Mesh& bone, std::span<const Enclosure> of_vertices,
@@ -246,7 +246,7 @@ struct CertifiedWaySurface {
 
 // Proves again how much bone an implant takes away on its way in: interval arithmetic, no OpenCL, no search.
 
-/// What becomes of a cube: it is looked at as it is, or divided into its eight octants.
+/// A cube is judged as it is, or divided into its eight octants.
 enum class CubeDivision : std::uint8_t { none, divided };
 
 /// More cubes than that prove nothing: what would take longer to follow no checker need have.
@@ -280,9 +280,9 @@ class RemovedVolumeChecker {
   RemovedVolumeChecker(RemovedVolumeChecker&&) noexcept;
   RemovedVolumeChecker& operator=(RemovedVolumeChecker&&) noexcept;
 
-  /// Of all bone that lies in the implant at some time the volume that the certificate proves, whatever it holds: from
-  /// above nothing where its cube may miss a part of what is swept, nothing at all where its parts are not those of one
-  /// cube, or where their centres or widths are no binary64 numbers.
+  /// Returns the volume that the certificate proves, whatever it holds, of all bone that lies in the implant at some
+  /// time. It has no upper end if its cube may miss a part of what is swept. It proves nothing if its parts are not
+  /// those of one cube, or if their centres or widths are no binary64 numbers.
   [[nodiscard]] ProvenRemovedVolume operator()(const RemovedVolumeCertificate& certificate,
                                                const CheckOptions& options) const;
 
@@ -335,7 +335,7 @@ struct CertifiedRemovedVolume {
   bool interrupted = false;  ///< then nothing is proven
 };
 
-/// Of what `removed_volume` found with the same arguments. Throws as RemovedVolumeChecker.
+/// Certifies what `removed_volume` found with the same arguments. Throws as RemovedVolumeChecker.
 [[nodiscard]] CertifiedRemovedVolume certified_removed_volume(std::span<const Pose> path, const Model& implant,
                                                               const BoneRegion& bone, const RemovedVolume& found,
                                                               const CheckOptions& options);
@@ -397,7 +397,7 @@ struct NamedMesh {
 /// Inside the bone's outer surface. Throws likewise.
 [[nodiscard]] BoneRegion bone_inside(NamedMesh outer, const std::optional<Plane>& resection);
 
-/// What is left of a mesh. Throws Error(input) where that is nothing.
+/// The part of a mesh that the resection leaves. Throws Error(input) where that is nothing.
 [[nodiscard]] Mesh before_resection(const NamedMesh& mesh, const Plane& resection);
 
 }  // namespace verisq

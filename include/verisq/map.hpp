@@ -44,7 +44,7 @@ struct MapResult {
   Status status;
 };
 
-// What a map says of all of its rows.
+// The summary of all rows of a map.
 
 struct MapSummary {
   std::string device;        ///< name of the device used, or "host"
@@ -184,8 +184,8 @@ struct QueriesInMemory<Point> {
 struct PoseUncertainty {
   std::array<double, 3> translation{};  ///< along each axis, in model units; finite, at least 0
   double rotation = 0.0;                ///< in radians; finite, at least 0
-  /// What the rotation leaves in place: in the coordinates of the points or triangles; of poses in the own ones of the
-  /// model that they move.
+  /// The point that the rotation leaves in place: in the coordinates of the points or triangles; for poses, in those of
+  /// the model that they move.
   Point centre{};
 };
 
@@ -238,9 +238,9 @@ struct MapOptions {
   /// at all of these places, and the tolerance must be above 0: rows are never narrower than the distances differ. No
   /// certificates. Preconditions as there.
   std::optional<PoseUncertainty> pose_uncertainty = {};
-  /// Of points: into how many parts along each axis the places are divided at most where a point may stand as seen from
-  /// the model; rounded down to a power of two. 1 widens a row by as much as the motions move its point, which always
-  /// holds; from 16 on rows are little wider than the distances differ. Triangles and poses know 1 alone.
+  /// For points: the places where a point may stand, as seen from the model, are divided into at most so many parts
+  /// along each axis; rounded down to a power of two. 1 widens a row by as much as the motions move its point, which
+  /// always holds. From 16 on rows are little wider than the distances differ. Triangles and poses know 1 alone.
   unsigned pose_divisions = 1;
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
   /// A time limit: polled, also by several threads at once; once true, it must stay true. Running searches end then,
@@ -264,9 +264,9 @@ using Sink = std::function<void(std::span<const Query>, std::span<const MapResul
 ///     where they meet; unless both are is_union_of_convex the host searches each, and an interruption ends searches
 ///     under way, of which no row is told.
 ///
-/// Of uncertain models and points a row encloses the distances to every member of everything within `point_radius`. The
-/// distances to the bracketing models (see Bracket) are asked for to half the tolerance each; seconds in the summary
-/// add up those of their maps. An exact model is mapped directly. Certificates are those of Checker.
+/// For uncertain models and points a row encloses the distances to every member from everything within `point_radius`.
+/// The distances to the bracketing models (see Bracket) are asked for to half the tolerance each; seconds in the
+/// summary add up those of their maps. An exact model is mapped directly. Certificates are those of Checker.
 template <class Query>
 class Mapper {
  public:
@@ -287,7 +287,7 @@ class Mapper {
   /// sink throw. One call at a time.
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink);
 
-  /// Of points PointColumns, which a span of them or three spans of coordinates converts to; of others a span.
+  /// For points PointColumns, to which a span of points or three spans of coordinates convert; for others a span.
   using Queries = typename QueriesInMemory<Query>::type;
 
   /// Maps `queries` and writes the row of each into the caller's memory, where nothing else may write meanwhile. Exact

@@ -24,19 +24,19 @@ enum class MapContents {
   enclosures,
   certified,  ///< with the certificate of each enclosure, but for witness and cover; `.csv` and `.vtp` only
   covered,    ///< of vertices: with all of the certificate; likewise
-  /// Of vertices with the closest point of each: `.csv`, `.npy` and `.vtp` only. Of poses with the closest points of
-  /// both models: `.csv` and `.npy` only.
+  /// For vertices, with the closest point of each: `.csv`, `.npy` and `.vtp` only. For poses, with the closest points
+  /// of both models: `.csv` and `.npy` only.
   closest_points,
 };
 
-/// What a map has a row for.
+/// The elements for which a map has a row.
 enum class MapElements {
   vertices,   ///< of a mesh, or points of a stream: `.vtp` has point data, `.ply` properties of the vertices
   triangles,  ///< of a mesh: `.vtp` has cell data, `.ply` properties of the faces
   poses,      ///< of a model: `.csv`, `.npy` and `.json` only, without certificates
 };
 
-/// What `.csv` and `.npy` may have in a row.
+/// The columns that `.csv` and `.npy` may have.
 enum class MapColumn {
   index,
   x,
@@ -127,15 +127,15 @@ enum class MapColumn {
   return "status";
 }
 
-/// What a map holds and in which form.
+/// The contents of a map and its form.
 struct MapForm {
   MapContents contents = MapContents::enclosures;
   MapElements elements = MapElements::vertices;
   /// One of the extensions above, with its dot, for a path that has none; empty: that of the path.
   std::string format = {};
-  /// Of a `.csv` or `.npy` without certificates, in this order: `mid` is the middle of an enclosure, or its finite end,
-  /// `width` is rounded upward, `x`, `y`, `z` are of vertices only. `unique` is 1 or 0, `primitive` -1 where it is not
-  /// known. Empty: index, lo, hi, status, and those of closest points; of a `.npy` without index.
+  /// The columns of a `.csv` or `.npy` without certificates, in this order. `mid` is the middle of an enclosure, or its
+  /// finite end, `width` is rounded upward, `x`, `y`, `z` are of vertices only. `unique` is 1 or 0, `primitive` -1
+  /// where it is not known. Empty: index, lo, hi, status, and those of closest points; of a `.npy` without index.
   std::vector<MapColumn> columns = {};
   /// The index of the first row: of a part of a map.
   std::uint64_t first_row = 0;
@@ -262,7 +262,7 @@ struct PartSetting {
   std::string value;
 };
 
-/// What stands beside a part of a map: what it is a part of, and what its file is.
+/// The description that stands beside a part of a map: the whole that it belongs to, and its file.
 struct MapPart {
   std::string version = {};  ///< of the library
   std::uint64_t part = 1;
@@ -281,8 +281,8 @@ struct MapPart {
 /// The name of the file beside a part: that of the part with ".part.json" added.
 [[nodiscard]] std::filesystem::path part_file_of(const std::filesystem::path& map);
 
-/// Of a file of any size, read front to back in constant memory. Throws Error(input) as `subject_file`, and for what is
-/// no regular file.
+/// The digest of a file of any size, read front to back in constant memory. Throws Error(input) as `subject_file`, and
+/// for what is no regular file.
 [[nodiscard]] SubjectFile digest_of_file(const std::filesystem::path& path);
 
 /// Writes the file beside `map` (docs/formats.md §10). Throws Error(failure).
@@ -295,7 +295,7 @@ struct MergeOptions {
   bool mixed_devices = false;  ///< accept rows of several devices: valid, but not what one process writes
 };
 
-/// What `merge_maps` made: what the parts have in common, and the summary of all rows. Seconds are added up.
+/// The result of `merge_maps`: what the parts have in common, and the summary of all rows. Seconds are added up.
 struct MergedMap {
   MapPart whole;                     ///< part 1 of 1
   std::vector<std::string> devices;  ///< each once

@@ -1,4 +1,4 @@
-/// What of a mesh is closed, cuts of meshes by planes, meshes of models.
+/// Whether meshes are closed, cuts of meshes by planes, meshes of models.
 #pragma once
 
 #include <cstddef>

@@ -81,7 +81,7 @@ inline constexpr double largest_taper = 100.0;
 /// Whether the primitive has a bend that moves anything: without one it is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);
 
-/// Of a primitive, for messages: its own, or "primitives[2]" where it has none. Precondition: it is there.
+/// The name of a primitive for messages: its own, or "primitives[2]" where it has none. Precondition: it is there.
 [[nodiscard]] std::string name_of_primitive(const Model& model, std::size_t primitive);
 
 /// Whether the model is the union of all its primitives, none of them bent: what the certificates of
@@ -117,9 +117,10 @@ struct UncertainModel {
 /// Whether the model is an ordinary one.
 [[nodiscard]] bool is_exact(const UncertainModel& model);
 
-/// What every member lies between. The solid grows with its semi-axes and shrinks as exponents rise; the primitives of
-/// `smallest` and `largest` stand at the midpoints of their translations, from where none moves farther than `shift`.
-/// For every member M, point q and triangle T (and other model in place of T, its own shift added):
+/// The smallest and the largest solid, between which every member lies. The solid grows with its semi-axes and shrinks
+/// as exponents rise; the primitives of `smallest` and `largest` stand at the midpoints of their translations, from
+/// where none moves farther than `shift`. For every member M, point q and triangle T (and other model in place of T,
+/// its own shift added):
 ///
 ///   sd(q, M) <= min over the primitives K of `smallest` of sd(q, K), plus shift
 ///   sd(q, M) >= sd(q, largest) - shift    where that is positive, and always if M has one primitive

@@ -17,7 +17,7 @@ namespace verisq {
 // Proves the smallest distance of two models of which one moves, and when they first meet, again: by MPFR alone,
 // without search.
 
-/// What is said of a path. Time k is that of pose k.
+/// The claims about a path. Time k is that of pose k.
 struct PathClaims {
   Enclosure smallest;  ///< contains the smallest distance of all times
   /// Contains the first time at which the models have a common point, infinity where they never have one; nothing is
@@ -27,22 +27,22 @@ struct PathClaims {
   [[nodiscard]] bool operator==(const PathClaims&) const = default;
 };
 
-/// Of a time, and of all the part about it: the certificate is of the distance at its middle, (begin + until) / 2 to
-/// nearest; of its separations the vectors alone count, of all else divisions, balls and
-/// covers, those about primitives of B of all places in the part (docs/mathematics.md §26).
+/// A part of a path. Its certificate is about the distance at its middle, (begin + until) / 2 to nearest. For the whole
+/// part, only the vectors of its separations count, and the divisions, balls and covers; those about primitives of B
+/// hold for all places in the part (docs/mathematics.md §26).
 struct PathPart {
   double until;  ///< the time when it ends; it begins where the part before ends, the first at 0; within two poses
   PairCertificate certificate;
 };
 
-/// What proves the claims, whatever it holds.
+/// The certificate of the claims.
 struct PathCertificate {
   double nearest = 0.0;        ///< a time, at which the distance is at most that of the claim
   PairCertificate at_nearest;  ///< of the distance at that time: its upper end, and the common point of a contact
   std::vector<PathPart> parts;
 };
 
-/// Of a claim each.
+/// One finding a claim.
 struct PathFindings {
   Finding smallest;
   std::optional<Finding> first_contact;  ///< where that is claimed
@@ -59,8 +59,8 @@ class PathChecker {
   PathChecker(PathChecker&&) noexcept;
   PathChecker& operator=(PathChecker&&) noexcept;
 
-  /// What the certificate proves, whatever it holds; of the first contact [0, infinity] if nothing. Once interrupted
-  /// less.
+  /// Returns what the certificate proves, whatever it holds: [0, infinity] for the first contact if it proves nothing.
+  /// Once interrupted, it proves less.
   [[nodiscard]] PathClaims prove(const PathCertificate& certificate, const CheckOptions& options) const;
 
   /// The distance is no less at any time from `begin` to the part's end; 0 where nothing is proven.
@@ -71,7 +71,7 @@ class PathChecker {
   std::unique_ptr<State> state_;
 };
 
-/// What is proven says of each claim: never `proved` of one that is not true. Precondition: `claimed` holds no NaN;
+/// Judges each claim: never `proved` for one that is not true. Precondition: `claimed` holds no NaN;
 /// `proven` by PathChecker::prove.
 [[nodiscard]] PathFindings check(const PathClaims& claimed, const PathClaims& proven);
 
@@ -123,8 +123,8 @@ struct CertifiedPath {
   bool interrupted;
 };
 
-/// Of what `distance_along` found with the same arguments: about as tight, and wider where the certificates of pairs
-/// are (verisq/model_search.hpp) or too many parts would be needed. Interrupted, it holds what is proven by then.
+/// Certifies what `distance_along` found with the same arguments: about as tight, and wider where the certificates of
+/// pairs are (verisq/model_search.hpp) or too many parts would be needed. Interrupted, it holds what is proven by then.
 [[nodiscard]] CertifiedPath certified_path(std::span<const Pose> path, const Model& a, const Model& b,
                                            const PathDistance& found, const PathDistanceOptions& options);
 

@@ -114,7 +114,7 @@ struct EstimatedDeviation {
   double largest;
 };
 
-/// What a model of so many primitives reached.
+/// The deviation that a model of so many primitives reached.
 struct RecoveryStage {
   std::size_t primitives;
   EstimatedDeviation to_model;                     ///< of points that are no outliers, or of samples of the mesh

@@ -21,8 +21,8 @@ struct ReportLine {
   std::string value;
 };
 
-/// What lets a page prove its rows again in the reader's browser: pages hold the model file's text, the vertices and
-/// the certificates, bit for bit. Spans must outlive the call.
+/// Lets a page prove its rows again in the reader's browser: pages hold the model file's text, the vertices and the
+/// certificates, bit for bit. Spans must outlive the call.
 struct ReportProof {
   std::span<const Certificate> certificates;  ///< one a row
   std::filesystem::path model_file;           ///< as `implant` was read; a regular file
@@ -31,7 +31,7 @@ struct ReportProof {
   double point_radius = 0.0;                  ///< as that of `MapOptions`
 };
 
-/// What a report shows. Spans and references must outlive the call.
+/// The contents of a report. Spans and references must outlive the call.
 struct Report {
   std::string title;
   const Mesh& bone;                        ///< rows are of its vertices

@@ -29,7 +29,7 @@ struct Quantity {
 
 using QuantityVector = std::array<Quantity, 3>;
 
-/// What an analysis may treat as uncertain, or differentiate by.
+/// A parameter that an analysis may treat as uncertain, or differentiate by.
 struct Parameter {
   std::string name;         ///< unique: "mp"
   std::string unit;         ///< "kg"; free text
@@ -174,7 +174,7 @@ struct ReferenceUncertainty {
 /// The wrench at one sample of the uncertain parameters, in plain floating point.
 [[nodiscard]] std::array<double, wrench_size> sampled_wrench(const Model& model, std::span<const double> parameters);
 
-/// What the body does whose accelerations are sought.
+/// The situation of the body whose accelerations are sought.
 enum class AccelerationCase : std::uint8_t {
   fall,      ///< it falls freely from the file's posture: no contact, friction and controller
   contact,   ///< let go at rest in the file's posture, the ground and the controllers' proportional parts act

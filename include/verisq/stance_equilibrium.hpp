@@ -17,7 +17,7 @@ namespace verisq::stance {
 
 // Where a model of stance stands still on the ground, proven (docs/stance.md §7).
 
-/// What the joints do while the body stands.
+/// How the joints are controlled while the body stands.
 enum class JointControl : std::uint8_t {
   held,          ///< they are where the file has them: what integral action leads to in the end
   proportional,  ///< those with a controller give way until proportional times the error is the torque, others freely
@@ -93,9 +93,9 @@ struct EquilibriumOptions {
 /// then turned about x and z, with a horizontal applied force.
 [[nodiscard]] Equilibrium equilibrium(const Model& model, UncertainSet uncertain, const EquilibriumOptions& options);
 
-// What is claimed of where a body stands still on the ground.
+// Claims about where a body stands still on the ground.
 
-/// What is claimed, as `equilibrium` finds it.
+/// The claims, as `equilibrium` finds them.
 struct EquilibriumClaims {
   JointControl control;
   std::vector<std::uint32_t> uncertain;  ///< parameters of the model
@@ -108,15 +108,15 @@ struct EquilibriumClaims {
 /// pressure's x and z, the least penetration.
 [[nodiscard]] std::vector<Enclosure> numbers_of(const Standing& standing);
 
-// What proves where a body stands still on the ground again, without a search: boxes of parameters and of postures.
+// The certificate of where a body stands still on the ground, which needs no search: boxes of parameters and postures.
 
 /// A part of the box, with all of its own parts in preorder.
 struct EquilibriumPart {
   /// Index in `uncertain`: cut at the middle of this range, to nearest; the lower half comes first.
   std::optional<std::uint32_t> halved = {};
-  /// Of a part that is not: of the reference point's height and of the joints sought (`positions` that an equilibrium
-  /// leaves open, in order), ranges that hold exactly one equilibrium on all cylinders for each parameter. Empty:
-  /// nothing is said of it.
+  /// For a part that is not halved: ranges of the reference point's height and of the joints sought (the `positions`
+  /// that an equilibrium leaves open, in order). They hold exactly one equilibrium on all cylinders for each parameter.
+  /// Empty: nothing is said about it.
   std::vector<Enclosure> postures = {};
 };
 
@@ -134,20 +134,20 @@ struct EquilibriumCertificate {
 struct ProvenEquilibrium {
   double stands = 0.0;               ///< at least this share, 1 only where all of the box does
   std::optional<Standing> standing;  ///< over all parts that are said to stand; infinite where one is not proven
-  /// Of single parameters that stand: the least value of each number is at most `hi`, the greatest at least `lo`.
+  /// For single parameters that stand: the least value of each number is at most `hi`, the greatest at least `lo`.
   std::optional<Standing> of_some;
   std::uint64_t parts = 0;           ///< that are said to stand
   std::uint64_t unproved_parts = 0;  ///< of these
   bool interrupted = false;          ///< nothing is said then
 };
 
-/// What the certificate proves, whatever it holds, by MPFR alone and by other formulas than `equilibrium`. Throws
-/// Error(input) as that. Preconditions: parameters of the model, each once, with finite ranges; a finite reference
-/// point; no posture holds a NaN.
+/// Returns what the certificate proves, whatever it holds, by MPFR alone and by other formulas than `equilibrium`.
+/// Throws Error(input) as that. Preconditions: parameters of the model, each once, with finite ranges; a finite
+/// reference point; no posture holds a NaN.
 [[nodiscard]] ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims,
                                       const EquilibriumCertificate& certificate, const CheckOptions& options);
 
-/// Of each claim: that so much of the box stands, then of `numbers_of` what is claimed to stand. Precondition: as many
+/// Judges each claim: that so much of the box stands, then the numbers of `numbers_of`. Precondition: as many
 /// numbers as `proven` has, no NaN.
 [[nodiscard]] std::vector<Finding> check(const EquilibriumClaims& claims, const ProvenEquilibrium& proven);
 
@@ -160,7 +160,7 @@ struct CertifiedEquilibrium {
   bool interrupted = false;    ///< nothing is claimed then
 };
 
-/// Of what was found of this model, with the same control. Throws Error(input) as `equilibrium`.
+/// Certifies what was found for this model, with the same control. Throws Error(input) as `equilibrium`.
 [[nodiscard]] CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet uncertain,
                                                          JointControl control, const Equilibrium& found,
                                                          const CheckOptions& options);
@@ -203,7 +203,7 @@ struct Stability {
   /// Contains the greatest real part of an eigenvalue, 1/s, for each parameter that is not open: disturbances grow or
   /// die out no faster, in the end. Reversed infinities where all is open.
   Enclosure growth{infinity, -infinity};
-  /// Of the whole box where it was proven in one cell, rightmost first; otherwise none.
+  /// The eigenvalues for the whole box where it was proven in one cell, rightmost first; otherwise none.
   std::vector<EigenvalueEnclosure> eigenvalues;
   std::vector<StabilityCell> cells;
   bool interrupted = false;  ///< what was not looked at is open
@@ -213,12 +213,12 @@ struct Stability {
 /// act on disturbances; where control is `proportional`, the integral parts are absent.
 using StabilityOptions = EquilibriumOptions;
 
-/// Of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with masses, inertia,
-/// gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The bristles hold the feet
-/// where they are: the same body may stand elsewhere on the level ground, too. How large a disturbance may be is not
-/// said. Throws Error(input) as `equilibrium`, and for a root that cannot move along each of x, y and z, an applied
-/// force that varies with time, cylinders without bristles or static friction and, with `held`, joints without an
-/// integral part, which nothing would hold.
+/// The stability of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with
+/// masses, inertia, gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The
+/// bristles hold the feet where they are: the same body may stand elsewhere on the level ground, too. How large a
+/// disturbance may be is not said. Throws Error(input) as `equilibrium`, and for a root that cannot move along each of
+/// x, y and z, an applied force that varies with time, cylinders without bristles or static friction and, with `held`,
+/// joints without an integral part, which nothing would hold.
 [[nodiscard]] Stability stability(const Model& model, UncertainSet uncertain, const StabilityOptions& options);
 
 }  // namespace verisq::stance

@@ -70,7 +70,7 @@ struct MotionOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-/// Of a cylinder, or each of a pair that moves alike.
+/// The contact of a cylinder, or of each one of a pair that moves alike.
 struct MotionContact {
   Enclosure normal;    ///< upward on the cylinder, N
   Enclosure friction;  ///< along x on the cylinder, N
@@ -102,9 +102,9 @@ struct Motion {
 /// proven equilibrium, or whose controllers cannot hold it.
 [[nodiscard]] Motion simulate(const Model& model, UncertainSet uncertain, const MotionOptions& options);
 
-// What an analysis takes of a stance model, chosen by name: uncertain parameters, a cylinder to be dropped.
+// The parts of a stance model that an analysis takes, chosen by name: uncertain parameters, a cylinder to be dropped.
 
-/// All parameters that have a deviation: of the others nothing is uncertain.
+/// All parameters that have a deviation; the others are certain.
 [[nodiscard]] std::vector<std::uint32_t> uncertain_parameters(const Model& model);
 
 /// Those of these names, in the model's order. Throws Error(input) that names `verisq stance --uncertain` for a name
@@ -119,8 +119,8 @@ struct Motion {
 /// Throws Error(input) for a range that is no part of the parameter's.
 [[nodiscard]] Model narrowed(Model model, std::uint32_t parameter, const Enclosure& range);
 
-/// Of each uncertain parameter the part of its range that is at most `per_cent` of the nominal value off it, rounded
-/// outward. Throws Error(input) for a nominal value of 0, which has no parts.
+/// Narrows each uncertain parameter to the part of its range that is at most `per_cent` of the nominal value off it,
+/// rounded outward. Throws Error(input) for a nominal value of 0, which has no parts.
 [[nodiscard]] Model narrowed_within(Model model, UncertainSet uncertain, double per_cent);
 
 /// Throws Error(input) for a name that no cylinder has.

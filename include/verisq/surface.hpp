@@ -35,9 +35,9 @@ struct SurfaceOptions {
   /// Radius of the balls that carve the space outside; wider gaps of the input let them in. Nothing: chosen, see
   /// `PreparedSurface`. Positive.
   std::optional<double> alpha = std::nullopt;
-  /// Of the wrap: how far it keeps from the input; positive. Nothing: alpha / 100.
+  /// How far the wrap keeps from the input; positive. Nothing: alpha / 100.
   std::optional<double> offset = std::nullopt;
-  /// Of a given mesh; the other methods leave no holes.
+  /// Whether to fill holes of a given mesh; the other methods leave none.
   bool fill_holes = false;
   /// Rounds of Taubin's smoothing; at least 0.
   int smoothing_rounds = 0;
@@ -142,7 +142,7 @@ struct WallCheck {
   double largest_error = 0.0;  ///< of such a distance, to what the thickness asks for
 };
 
-/// Of the vertices of `canal`, smoothed or not. Precondition: both have triangles.
+/// Checks the vertices of `canal`, smoothed or not. Precondition: both have triangles.
 [[nodiscard]] WallCheck check_wall(const Mesh& canal, const Mesh& bone, const CorticalThickness& thickness);
 
 }  // namespace verisq

@@ -36,6 +36,22 @@ bool bound_is_proved(const PythonCertifiedBound& self, const py::object& implant
   });
 }
 
+PythonAnswer answer_of_bound(const PythonCertifiedBound& self, const std::vector<std::filesystem::path>& implants,
+                             const std::filesystem::path& mesh) {
+  const BestFitClaim& claim = self.claim;
+  BestFitAnswer answer{
+      .models = {},
+      .mesh = subject_file(mesh),
+      .units = units_of(implants),
+      .terms = {claim.terms.fitness, claim.terms.penetration_limit, claim.terms.areas, runs_of(claim.terms.area_of)},
+      .range = claim.range,
+      .centres = claim.centres,
+      .upper = claim.upper,
+      .certificate = self.certificate};
+  for (const std::filesystem::path& implant : implants) answer.models.push_back(subject_file(implant));
+  return {std::move(answer)};
+}
+
 std::size_t boxes_of(const PythonCertifiedBound& self) {
   std::size_t boxes = 0;
   for (const std::vector<PoseDivision>& range : self.certificate.ranges) boxes += (range.size() + 1) / 2;
@@ -55,6 +71,9 @@ void declare_class_of_certified_bounds(py::module_& module) {
            "is_proved(implants, mesh) -> bool\n\n"
            "Proves it again, of these implants (a Model or a sequence of them, as fit() was given them) and this mesh, "
            "by\nintervals and the certificate alone. Raises Error for other numbers of implants or vertices.")
+      .def("answer", answer_of_bound, py::arg("implants"), py::arg("mesh"),
+           "answer(implants, mesh) -> Answer\n\n"
+           "What `verisq fit --bound-certificate-file` writes: of these model files, a list, and this mesh file.")
       .def("__repr__",
            [](const PythonCertifiedBound& self) {
              return fmt::format("<verisq.CertifiedBound: at most {}>", self.claim.upper);
@@ -79,6 +98,19 @@ py::dict claims_of(const PythonCertifiedContact& self) {
     result[py::str("contact:" + self.areas[k])] = numbers_of(self.claims.by_region[k]);
   if (self.claims.of_model) result["implant_contact"] = numbers_of(*self.claims.of_model);
   return result;
+}
+
+PythonAnswer answer_of_contact(const PythonCertifiedContact& self, const std::filesystem::path& model,
+                               const std::filesystem::path& mesh) {
+  return {ContactAnswer{.model = subject_file(model),
+                        .mesh = subject_file(mesh),
+                        .units = units_of({model}),
+                        .distance = self.terms.distance,
+                        .regions = self.areas,
+                        .region_runs = runs_of(self.terms.region_of),
+                        .claims = self.claims,
+                        .counted = self.terms.counted,
+                        .certificate = self.certificate}};
 }
 
 bool contact_is_proved(const PythonCertifiedContact& self, const PythonModel& model, const PythonMesh& mesh) {
@@ -113,6 +145,9 @@ void declare_class_of_certified_contacts(py::module_& module) {
       .def("is_proved", contact_is_proved, py::arg("model"), py::arg("mesh"),
            "is_proved(model, mesh) -> bool\n\n"
            "Proves every number again, of this model (Fit.model) and this mesh, by MPFR and the certificates alone.")
+      .def("answer", answer_of_contact, py::arg("model"), py::arg("mesh"),
+           "answer(model, mesh) -> Answer\n\n"
+           "What `verisq fit --contact-certificate-file` writes: of the file of Fit.model, and this mesh file.")
       .def("__repr__",
            [](const PythonCertifiedContact& self) {
              const auto& [lo, hi] = self.claims.of_mesh.percent;

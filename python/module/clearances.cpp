@@ -95,6 +95,13 @@ bool is_containment_proved(const ContainmentProof& self, const PythonModel& mode
   });
 }
 
+PythonAnswer answer_of(const ContainmentProof& self, const std::filesystem::path& model,
+                       const std::filesystem::path& mesh) {
+  if (!self.proven) throw py::value_error("nothing is proven: there is no answer to keep");
+  return {ContainmentAnswer{subject_file(model), subject_file(mesh), units_of({model}), self.containment,
+                            self.certificate}};
+}
+
 void declare_containments(py::module_& module) {
   py::class_<ContainmentProof>(module, "ContainmentProof",
                                "What prove_containment() found; proven False is no proof of the contrary.")
@@ -112,6 +119,10 @@ void declare_containments(py::module_& module) {
           "is_proved", is_containment_proved, py::arg("model"), py::arg("mesh"),
           "is_proved(model, mesh) -> bool\n\nProves it again, of this model and this mesh, by MPFR and the certificate "
           "alone.\nRaises Error for meshes that are not closed, or not turned alike all over.")
+      .def("answer", answer_of, py::arg("model"), py::arg("mesh"),
+           "answer(model, mesh) -> Answer\n\n"
+           "What `verisq recover --certificate-file` writes: of this model file and this mesh file. Raises ValueError\n"
+           "where nothing is proven.")
       .def(pickled<ContainmentProof>());
   module.def("prove_containment", contained, py::arg("model"), py::arg("mesh"), py::arg("where"), py::kw_only(),
              py::arg("most_samples") = py::none(), py::arg("device") = "auto",
@@ -240,6 +251,21 @@ bool all_proved(const Summary& claimed, const Summary& proven) {
                              [](const Finding& finding) { return finding.verdict == Verdict::proved; });
 }
 
+PythonAnswer answer_of_deviation(const PythonCertifiedDeviation& self, const std::filesystem::path& model,
+                                 const std::filesystem::path& mesh) {
+  return {DeviationAnswer{.model = subject_file(model),
+                          .mesh = subject_file(mesh),
+                          .units = units_of({model}),
+                          .pose = {},
+                          .percentiles = self.percents,
+                          .of_vertices = self.of_vertices,
+                          .from_mesh = self.from_mesh,
+                          .from_model = self.from_model,
+                          .statistics_from_model = self.statistics_from_model,
+                          .hausdorff = self.hausdorff,
+                          .certificate = self.certificate}};
+}
+
 bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, const py::handle& mesh) {
   const Model& exact = model.exact("is_proved");
   const Mesh measured = mesh_or_cloud(mesh);
@@ -281,6 +307,10 @@ void declare_certified_deviations(py::module_& module) {
       .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
            "is_proved(model, mesh) -> bool\n\n"
            "Proves every number again, of this model and this mesh, by MPFR and the certificates alone.")
+      .def("answer", answer_of_deviation, py::arg("model"), py::arg("mesh"),
+           "answer(model, mesh) -> Answer\n\n"
+           "What `verisq deviation --certificate-file` writes: of this model file, and this file of a mesh or of "
+           "points.")
       .def("__repr__",
            [](const PythonCertifiedDeviation& self) {
              const auto& [lo, hi] = (self.from_mesh ? *self.from_mesh : self.of_vertices).largest;

@@ -175,6 +175,12 @@ bool pair_is_proved(const CertifiedPair& self, const PythonModel& a, const Pytho
   });
 }
 
+PythonAnswer answer_of(const CertifiedPair& self, const std::filesystem::path& a, const std::filesystem::path& b,
+                       const py::handle& pose_of_b) {
+  return {PairAnswer{
+      {subject_file(a), subject_file(b)}, units_of({a, b}), pose(pose_of_b), self.distance, self.certificate}};
+}
+
 std::string representation_of_pair(const PythonPair& self) {
   return fmt::format("<verisq.Pair: {}, [{}, {}]>", word(self.proximity), self.distance.lo, self.distance.hi);
 }
@@ -212,6 +218,9 @@ void declare_pairs(py::module_& module) {
       .def("is_proved", pair_is_proved, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(),
            "is_proved(a, b, pose=None) -> bool\n\n"
            "Proves the enclosure again, of these models and this pose, by MPFR and the certificate alone.")
+      .def("answer", answer_of, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(),
+           "answer(a, b, pose=None) -> Answer\n\n"
+           "What `verisq distance --certificate-file` writes: of these model files, and the pose of model b.")
       .def("__repr__",
            [](const CertifiedPair& self) {
              return fmt::format("<verisq.CertifiedPair: [{}, {}]>", self.distance.lo, self.distance.hi);
@@ -308,6 +317,12 @@ bool path_is_proved(const PythonCertifiedPath& self, const PythonModel& a, const
   return smallest.verdict == Verdict::proved && (!first_contact || first_contact->verdict == Verdict::proved);
 }
 
+PythonAnswer answer_of_path(const PythonCertifiedPath& self, const std::filesystem::path& a,
+                            const std::filesystem::path& b, const py::handle& path) {
+  return {PathAnswer{
+      {subject_file(a), subject_file(b)}, units_of({a, b}), poses(path, "path"), self.claims, self.certificate}};
+}
+
 std::string representation_of_path(const PathDistance& self) {
   return fmt::format("<verisq.PathDistance: {}, [{}, {}]>", word(self.proximity), self.smallest.lo, self.smallest.hi);
 }
@@ -341,6 +356,9 @@ void declare_paths(py::module_& module) {
       .def("is_proved", path_is_proved, py::arg("a"), py::arg("b"), py::arg("path"),
            "is_proved(a, b, path) -> bool\n\n"
            "Proves both again, of these models and this path, by MPFR and the certificate alone.")
+      .def("answer", answer_of_path, py::arg("a"), py::arg("b"), py::arg("path"),
+           "answer(a, b, path) -> Answer\n\n"
+           "What `verisq path --certificate-file` writes: of these model files, and the path of model b.")
       .def("__repr__",
            [](const PythonCertifiedPath& self) {
              return fmt::format("<verisq.CertifiedPath: [{}, {}]>", self.claims.smallest.lo, self.claims.smallest.hi);

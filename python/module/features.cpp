@@ -51,6 +51,14 @@ bool is_proved(const FemurFeatures& self, const py::dict& landmarks, const std::
   return std::ranges::all_of(findings, [](const Finding& finding) { return finding.verdict == Verdict::proved; });
 }
 
+PythonAnswer answer_of(const FemurFeatures& self, const py::dict& landmarks, const std::optional<std::string>& side,
+                       double landmark_radius, const std::optional<std::filesystem::path>& mesh) {
+  return {
+      FeaturesAnswer{.implant = {},
+                     .mesh = mesh ? std::optional(subject_file(*mesh)) : std::nullopt,
+                     .claims = {landmarks_of(landmarks), side_of(side), landmark_radius, self.features, self.frame}}};
+}
+
 std::string representation(const Feature& self) {
   return fmt::format("<verisq.Feature: {} in [{}, {}]{}>", self.name, self.value.lo, self.value.hi,
                      self.unit == FeatureUnit::degrees ? " degrees" : "");
@@ -80,6 +88,10 @@ void declare_features(py::module_& module) {
            py::arg("landmark_radius"),
            "is_proved(landmarks, side=None, *, landmark_radius) -> bool\n\n"
            "Encloses every feature again, in 127 bits, and compares: of these landmarks.")
+      .def("answer", answer_of, py::arg("landmarks"), py::arg("side") = py::none(), py::kw_only(),
+           py::arg("landmark_radius"), py::arg("mesh") = py::none(),
+           "answer(landmarks, side=None, *, landmark_radius, mesh=None) -> Answer\n\n"
+           "What `verisq features --certificate-file` writes; mesh: the file in which the landmarks were found.")
       .def(pickled<FemurFeatures>());
   module.def("detect_femur", detect, py::arg("mesh"), py::arg("side") = py::none(),
              "detect_femur(mesh, side=None) -> Femur\n\nFinds the landmarks of a whole or proximal femur, in\n"

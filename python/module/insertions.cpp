@@ -185,6 +185,35 @@ bool is_clearance_proved(const CertifiedMeshClearance& self, const PythonModel& 
   });
 }
 
+InsertionAnswer answer_about(const std::filesystem::path& implant, const std::filesystem::path& mesh,
+                             const py::handle& path) {
+  return {.model = subject_file(implant),
+          .mesh = subject_file(mesh),
+          .units = units_of({implant}),
+          .pose = {},
+          .path = poses(path, "path"),
+          .rows = {}};
+}
+
+PythonAnswer answer_of_way(const CertifiedWay& self, const std::filesystem::path& implant,
+                           const std::filesystem::path& mesh, const py::handle& path) {
+  InsertionAnswer answer = answer_about(implant, mesh, path);
+  const auto lo = self.map.lo.unchecked<1>();
+  const auto hi = self.map.hi.unchecked<1>();
+  for (std::size_t i = 0; i < self.certificates.size(); ++i) {
+    const auto row = static_cast<py::ssize_t>(i);
+    answer.rows.push_back({{lo(row), hi(row)}, self.certificates[i]});
+  }
+  return {std::move(answer)};
+}
+
+PythonAnswer answer_of_clearance(const CertifiedMeshClearance& self, const std::filesystem::path& implant,
+                                 const std::filesystem::path& mesh, const py::handle& path) {
+  PythonAnswer answer = answer_of_way(self.vertices, implant, mesh, path);
+  std::get<InsertionAnswer>(answer.answer).surface = {self.smallest_distance, self.certificate};
+  return answer;
+}
+
 NamedMesh named(const char* name, const py::handle& mesh) {
   return {name, mesh.cast<const PythonMesh&>().mesh};
 }
@@ -253,6 +282,22 @@ bool is_volume_proved(const CertifiedRemovedVolume& self, const PythonModel& imp
   });
 }
 
+using File = std::optional<std::filesystem::path>;
+
+PythonAnswer answer_of_volume(const CertifiedRemovedVolume& self, const std::filesystem::path& implant,
+                              const py::handle& path, const File& cavity, const File& within, const File& bone,
+                              const py::object& resection) {
+  if (cavity.has_value() == bone.has_value())
+    throw py::value_error("give either cavity or bone, which say where bone is");
+  InsertionAnswer answer = answer_about(implant, cavity ? *cavity : *bone, path);
+  answer.removed = {.bone = cavity ? BoneSide::outside : BoneSide::inside,
+                    .within = within ? std::optional(subject_file(*within)) : std::nullopt,
+                    .resection = plane(resection),
+                    .volume = self.volume,
+                    .certificate = self.certificate};
+  return {std::move(answer)};
+}
+
 std::string representation(const RemovedVolume& self) {
   return fmt::format("<verisq.RemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
 }
@@ -273,6 +318,11 @@ void declare_removed_volumes(py::module_& module) {
            py::arg("resection") = py::none(),
            "is_proved(implant, path, *, cavity=None, within=None, bone=None, resection=None) -> bool\n\n"
            "Proves it again, of this implant, this path and this bone, by the certificate alone.")
+      .def("answer", answer_of_volume, py::arg("implant"), py::arg("path"), py::kw_only(),
+           py::arg("cavity") = py::none(), py::arg("within") = py::none(), py::arg("bone") = py::none(),
+           py::arg("resection") = py::none(),
+           "answer(implant, path, *, cavity=None, within=None, bone=None, resection=None) -> Answer\n\n"
+           "What `verisq insert --removed-bone --certificate-file` writes: of these files, and this path.")
       .def("__repr__",
            [](const CertifiedRemovedVolume& self) {
              return fmt::format("<verisq.CertifiedRemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
@@ -302,6 +352,10 @@ void declare_ways(py::module_& module) {
            "is_proved(implant, points, path) -> bool\n\n"
            "Proves every row again, of this implant, these points and this path, by MPFR and the certificates alone.\n"
            "False where one is not proved. Raises ValueError for another number of points.")
+      .def("answer", answer_of_way, py::arg("implant"), py::arg("mesh"), py::arg("path"),
+           "answer(implant, mesh, path) -> Answer\n\n"
+           "What `verisq insert --certificate-file` writes: of this model file, of the mesh file whose vertices the\n"
+           "points are, and of this path.")
       .def("__len__", [](const CertifiedWay& self) { return self.certificates.size(); })
       .def("__repr__",
            [](const CertifiedWay& self) {
@@ -326,6 +380,9 @@ void declare_clearances_along(py::module_& module) {
           "is_proved(implant, mesh, path) -> bool\n\n"
           "Proves it, and every row of the vertices, again, of this implant, this mesh and this path, by MPFR and the\n"
           "certificates alone. Raises ValueError for another number of vertices.")
+      .def("answer", answer_of_clearance, py::arg("implant"), py::arg("mesh"), py::arg("path"),
+           "answer(implant, mesh, path) -> Answer\n\n"
+           "What `verisq insert --on triangles --certificate-file` writes: of these files, and this path.")
       .def("__repr__",
            [](const CertifiedMeshClearance& self) {
              return fmt::format("<verisq.CertifiedMeshClearance: smallest distance in [{}, {}]>",

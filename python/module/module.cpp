@@ -106,6 +106,7 @@ PYBIND11_MODULE(_verisq, module) {
   verisq::python::declare_certificates(module);
   verisq::python::declare_closest_points(module);
   verisq::python::declare_closest_pairs(module);
+  verisq::python::declare_answers(module);
   verisq::python::declare_pairs(module);
   verisq::python::declare_paths(module);
   verisq::python::declare_deviations(module);

@@ -20,8 +20,6 @@
 
 namespace verisq::python {
 
-// What each file of the module adds to it, and work without Python's lock, which Ctrl-C ends.
-
 // What each file of the module adds to it, in the order in which it must: a class before what mentions it.
 
 void declare_errors(pybind11::module_& module);
@@ -34,6 +32,7 @@ void declare_maps(pybind11::module_& module);
 void declare_certificates(pybind11::module_& module);
 void declare_closest_points(pybind11::module_& module);
 void declare_closest_pairs(pybind11::module_& module);
+void declare_answers(pybind11::module_& module);
 void declare_pairs(pybind11::module_& module);
 void declare_paths(pybind11::module_& module);
 void declare_deviations(pybind11::module_& module);

@@ -1,14 +1,17 @@
-/// The classes verisq.Model and verisq.Mesh, and a femur's landmarks as dictionaries.
+/// The classes verisq.Model, verisq.Mesh and verisq.Answer, and a femur's landmarks as dictionaries.
 #pragma once
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+#include <verisq/certificate_file.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/features.hpp>
 #include <verisq/mesh.hpp>
@@ -79,5 +82,15 @@ struct PythonMesh {
 
 /// What stands for a mesh: a verisq.Mesh, or an array of points (N, 3): a cloud.
 [[nodiscard]] Mesh mesh_or_cloud(pybind11::handle object);
+
+// The class verisq.Answer, which certified results of all kinds become.
+
+struct PythonAnswer {
+  Answer answer;
+  std::string name = "answer";  ///< stands for its file in messages
+};
+
+/// The units that the first of these model files names; "" where none does. Throws Error(input).
+[[nodiscard]] std::string units_of(const std::vector<std::filesystem::path>& models);
 
 }  // namespace verisq::python

@@ -255,6 +255,19 @@ bool is_proved(const PythonCertifiedEquilibrium& self, const PythonStance& model
   });
 }
 
+PythonAnswer answer_of(const PythonCertifiedEquilibrium& self, const std::filesystem::path& file) {
+  const stance::Model model = stance::read_model(file);
+  if (!is_of(self.claims, model)) throw py::value_error(file.string() + ": is another model of stance");
+  EquilibriumAnswer answer{.model = subject_file(file),
+                           .parameters = {},
+                           .joints = stance::joint_names(model),
+                           .cylinders = self.cylinders,
+                           .claims = self.claims,
+                           .certificate = self.certificate};
+  for (const std::uint32_t k : self.claims.uncertain) answer.parameters.push_back(model.parameters[k].name);
+  return {std::move(answer)};
+}
+
 const std::optional<stance::Standing>& standing_of(const PythonEquilibrium& self) {
   return self.found.standing;
 }
@@ -347,6 +360,8 @@ void declare_equilibria(py::module_& module) {
       .def("is_proved", is_proved, py::arg("model"),
            "is_proved(model) -> bool\n\n"
            "Proves every number again, of this StanceModel, by other formulas, in 127 bits.")
+      .def("answer", answer_of, py::arg("model"),
+           "answer(model) -> Answer\n\nWhat `verisq stance --certificate-file` writes: of this file (.xml).")
       .def("__repr__", [](const PythonCertifiedEquilibrium& self) {
         return fmt::format("<verisq.CertifiedEquilibrium: {:.4g} % stands>", 100.0 * self.claims.stands);
       });

@@ -17,8 +17,8 @@ Closest points, normals and gradients of many points; closest points of two mode
 One query, proven by the host
     SignedDistance, distance, Enclosure; distance_along, PathDistance for a model that moves
 What proves an answer again
-    Checker, Certificates, Findings, Verdict; certified_distance of two models, certified_distance_along
-    a path
+    Answer, Claim for certificate files of all kinds; Checker, Certificates, Findings, Verdict for rows of maps;
+    certified_distance of two models, certified_distance_along a path
 Whole surfaces and solids
     deviation, certified_deviation, mesh_clearance, prove_containment, octree, recover
 Implants
@@ -39,6 +39,7 @@ import enum as _enum
 from . import _verisq
 from ._chunks import map_chunks
 from ._verisq import (
+    Answer,
     AreaClearance,
     AreaStatistics,
     AreaWithin,
@@ -54,6 +55,7 @@ from ._verisq import (
     CertifiedRemovedVolume,
     CertifiedWay,
     Checker,
+    Claim,
     ClosestPairMap,
     ClosestPointMap,
     ClosestPoints,
@@ -147,6 +149,7 @@ class Verdict(_enum.IntEnum):
 
 
 __all__ = [
+    "Answer",
     "AreaClearance",
     "AreaStatistics",
     "AreaWithin",
@@ -162,6 +165,7 @@ __all__ = [
     "CertifiedRemovedVolume",
     "CertifiedWay",
     "Checker",
+    "Claim",
     "ClosestPairMap",
     "ClosestPointMap",
     "ClosestPoints",
