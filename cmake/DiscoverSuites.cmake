@@ -1,5 +1,5 @@
-# Writes FILE, which tells ctest the suites of a test program: a process each, since one that has a device ready keeps it
-# for all tests of its suite. Called with PROGRAM, FILTER, FILE and TIMEOUT (seconds).
+# Writes FILE, which tells ctest the suites of a test program: a process each, which keeps a device ready for all tests of
+# its suite. Called with PROGRAM, FILTER, FILE and MAY_SKIP; without MAY_SKIP a skipped test fails its suite.
 execute_process(COMMAND "${PROGRAM}" --gtest_list_tests "--gtest_filter=${FILTER}" OUTPUT_VARIABLE listed
                 COMMAND_ERROR_IS_FATAL ANY)
 get_filename_component(name "${PROGRAM}" NAME)
@@ -17,7 +17,11 @@ foreach(line IN LISTS lines)
   if(FILTER MATCHES "^-")
     string(APPEND chosen "${FILTER}")
   endif()
-  string(APPEND text "add_test([=[${name}.${suite}]=] \"${PROGRAM}\" \"--gtest_filter=${chosen}\")\n"
-                     "set_tests_properties([=[${name}.${suite}]=] PROPERTIES TIMEOUT ${TIMEOUT})\n")
+  set(test "[=[${name}.${suite}]=]")
+  string(APPEND text "add_test(${test} \"${PROGRAM}\" \"--gtest_filter=${chosen}\")\n"
+                     "set_tests_properties(${test} PROPERTIES TIMEOUT 1800)\n")
+  if(NOT MAY_SKIP)
+    string(APPEND text "set_tests_properties(${test} PROPERTIES FAIL_REGULAR_EXPRESSION \"\\\\[  SKIPPED \\\\]\")\n")
+  endif()
 endforeach()
 file(WRITE "${FILE}" "${text}")

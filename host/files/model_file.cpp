@@ -12,6 +12,7 @@
 #include <verisq/features.hpp>
 #include <verisq/files.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
 #include "verify/proof/uncertain_model.hpp"
@@ -282,6 +283,11 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
 template <class Parse>
 auto read(const std::filesystem::path& path, Parse parse) {
   constexpr std::size_t largest = std::size_t{1} << 26;
+  if (is_mesh_name(path))
+    refuse(
+        fmt::format("{}: is a mesh: so far maps of points alone take one as the model; recover a model of it for all "
+                    "else",
+                    path.string()));
   InputFile file(path);
   const std::string_view text = file.peek_text(largest + 1);
   if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: not a model", largest));

@@ -307,6 +307,36 @@ extern template class Mapper<Point>;
 extern template class Mapper<Triangle>;
 extern template class Mapper<Pose>;
 
+/// A closed mesh as a solid, made ready for maps of points. The solid holds the triangles, and every point about which
+/// they wind (docs/mathematics.md §29): they may cross, lie in several shells, and be turned inward. Each row encloses
+/// the signed distance: outside the distance to the solid, inside minus the distance to the nearest triangle. The host
+/// proves all rows. Immutable.
+class MeshMapper {
+ public:
+  struct Facts {
+    std::size_t triangles;
+    std::size_t unclean;         ///< triangles that are not proven to meet others in common corners alone
+    bool is_depth_exact = true;  ///< else, inside, minus the signed distance is at most the depth
+  };
+
+  /// Throws Error(input) for a mesh that is empty or not closed, with the number of open edges; for coordinates whose
+  /// largest is not from 2^-200 to 2^200; and for options that a mesh does not have: devices, certificates, uncertain
+  /// points and places, the published method. Precondition: triangles of vertices that are there, finite coordinates.
+  MeshMapper(const Mesh& solid, const MapOptions& options);
+  ~MeshMapper();
+  MeshMapper(MeshMapper&&) noexcept;
+  MeshMapper& operator=(MeshMapper&&) noexcept;
+
+  /// Throws Error(input) for a point that is not finite, and what source and sink throw.
+  MapSummary map(const Source<Point>& source, const Sink<Point>& sink) const;
+
+  [[nodiscard]] Facts facts() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 using PointMapper = Mapper<Point>;
 using TriangleMapper = Mapper<Triangle>;
 using PoseMapper = Mapper<Pose>;
