@@ -121,6 +121,17 @@ Mesh tetrahedron_with_degenerate() {
   return mesh;
 }
 
+/// A tetrahedron in one plane, which encloses nothing, beside one that crosses another with which it shares a corner.
+Mesh folded_and_crossing_in_corner() {
+  Mesh flat = tetrahedron();
+  flat.vertices = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {0.3, 0.4, -1}};
+  Mesh convex = flat;
+  convex.vertices[3] = {1, 1.25, -1};
+  Mesh leaning = tetrahedron();
+  leaning.vertices = {{0, 0, 0}, {1, -0.5, 0.25}, {0.25, 1, 0.25}, {0.25, 0.375, 1}};
+  return join(join(flat, moved(convex, 1.0, {2, 0, 0})), join(tetrahedron(), leaning));
+}
+
 /// Around a circle, but the cross section is an eight.
 Mesh crossed_torus() {
   Mesh mesh = torus_mesh(2.0, 1.0, 24, 16);
@@ -158,6 +169,7 @@ std::vector<Scene> scenes() {
       {"touching_cubes", join(cube_mesh(2), moved(cube_mesh(2), 1.0, {1, 0, 0}))},
       {"touching_in_side", join(tetrahedron(), stretched(tetrahedron(), {-1, -1, 1}))},
       {"touching_in_corner", join(tetrahedron(), turned(stretched(tetrahedron(), {-1, -1, -1})))},
+      {"folded", folded_and_crossing_in_corner()},
       {"degenerate", tetrahedron_with_degenerate()},
       {"far_away", moved(star_mesh(2, 2), 1e-3, {1e9, -1e9, 1e9})},
       {"huge", moved(star_mesh(2, 4), 1e59, {})},
@@ -183,7 +195,7 @@ class Places {
   Point next() {
     const Triangle& t =
         triangles_[static_cast<std::size_t>(random_.uniform(0, static_cast<double>(triangles_.size())))];
-    switch (count_++ % 10) {
+    switch (count_++ % 11) {
       case 0: return anywhere(0.25);
       case 1: return anywhere(3.0);
       case 2: return aside(at(t, weights()), 1e-2);
@@ -193,6 +205,7 @@ class Places {
       case 6: return step(t[0]);
       case 7: return at(t, {1.0, 0.0, 0.0});
       case 8: return beyond(t);
+      case 9: return count_ % 2 == 0 ? middle() : anywhere(0.0);
       default: return aside(t[0], 1e-3);
     }
   }
@@ -220,6 +233,12 @@ class Places {
       const double width = upper_[i] - lower_[i];
       x[i] = random_.uniform(lower_[i] - margin * width, upper_[i] + margin * width);
     }
+    return x;
+  }
+  /// As far from many triangles where they lie on a sphere.
+  [[nodiscard]] Point middle() const {
+    Point x;
+    for (std::size_t i = 0; i < 3; ++i) x[i] = lower_[i] / 2 + upper_[i] / 2;
     return x;
   }
   Point aside(Point x, double share) {

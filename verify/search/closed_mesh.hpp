@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "verify/search/triangle_predicates.hpp"
+#include "verify/search/triangle_geometry.hpp"
 #include "verify/search/wide_tree.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"

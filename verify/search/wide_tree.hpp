@@ -84,6 +84,7 @@ class WideTree {
   static constexpr std::size_t most_open = (width - 1) * (deepest_by_cost + 32) + 1;
 
   class Builder;
+  void build();
   template <class Number>
   class Search;
   void search_near(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const;

@@ -1,5 +1,5 @@
-/// This file implements triangle_predicates.hpp.
-#include "verify/search/triangle_predicates.hpp"
+/// This file implements triangle_geometry.hpp.
+#include "verify/search/triangle_geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,134 @@
 #include "verify/numbers/real.hpp"
 
 namespace verisq::verify {
+
+namespace {
+
+/// Shares of the second and the third corner: each in [0, 1], the sum at most 1 + u (u = 2^-53).
+struct Shares {
+  double b;
+  double c;
+};
+
+/// Squares below it may underflow: no vector so short is a normal.
+constexpr double least_square = 0x1p-900;
+/// More than what underflows anywhere in these sums may hide, whose roots are below 2^-530.
+constexpr double underflow_of_length = 0x1p-500;
+/// Of the sums of magnitudes below: 10 u.
+constexpr double share_of_magnitude = 10 * 0x1p-53;
+
+/// A triangle as a point sees it. Differences of binary64 numbers round by u, relatively.
+struct Seen {
+  Point a, b, c;  ///< corners less the point
+  Point ab, ac;
+  double magnitude;  ///< no |a_i| + |ab_i| + |ac_i| is larger, but for rounding
+
+  Seen(const Point& point, const Triangle& triangle) {
+    magnitude = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      a[i] = triangle[0][i] - point[i];
+      b[i] = triangle[1][i] - point[i];
+      c[i] = triangle[2][i] - point[i];
+      ab[i] = triangle[1][i] - triangle[0][i];
+      ac[i] = triangle[2][i] - triangle[0][i];
+      magnitude = std::max(magnitude, std::abs(a[i]) + std::abs(ab[i]) + std::abs(ac[i]));
+    }
+  }
+};
+
+double inner(const Point& x, const Point& y) {
+  return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+}
+
+Point outer(const Point& x, const Point& y) {
+  return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+}
+
+Shares clamped(double b, double c) {
+  const double first = b > 0.0 ? std::min(b, 1.0) : 0.0;  // false for NaN
+  return {first, c > 0.0 ? std::min(c, 1.0 - first) : 0.0};
+}
+
+/// The triangle lies in {x : n·(x - q) >= least n·(corner - q)}, for any n (docs/mathematics.md §29). Products of n
+/// with rounded differences X and their sums round by 4.01 u |n| |X|, |X| <= √3 magnitude: by 7.1 u magnitude in units
+/// of |n|. |n|, the root and the quotient round by 4.01 u, of what is at most √3 magnitude: with the product below 8 u
+/// of it are taken off by its factor.
+double lower_by(const Seen& seen, const Point& n) {
+  const double square = inner(n, n);
+  if (!(square >= least_square)) return 0.0;
+  const double least = std::min({inner(n, seen.a), inner(n, seen.b), inner(n, seen.c)});
+  return std::max(
+      0.0, least / std::sqrt(square) * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length);
+}
+
+/// By the point a + b ab + c ac. Off it by at most u (3|a_i| + 4 b|ab_i| + 3 c|ac_i|) a coordinate, a little more for
+/// products of errors, and by u|ac_i| for the sum of shares beyond 1: by 5.1 u √3 magnitude, which is below 9 u
+/// magnitude. Its length rounds by 3 u, and each operation on it by one more: 8 u.
+DistanceBounds bounds_at(const Seen& seen, const Shares& shares) {
+  Point way;
+  for (std::size_t i = 0; i < 3; ++i) way[i] = seen.a[i] + shares.b * seen.ab[i] + shares.c * seen.ac[i];
+  const double upper =
+      std::sqrt(inner(way, way)) * (1.0 + 0x1p-50) + share_of_magnitude * seen.magnitude + underflow_of_length;
+  return {lower_by(seen, way), upper, way};
+}
+
+/// The share of the end at the point of a side nearest to the origin; NaN where the ends coincide.
+double near_share(const Point& from, const Point& way) {
+  return -inner(from, way) / inner(way, way);
+}
+
+/// Needles, and what lies near the plane: sides and the plane's own normal know better.
+DistanceBounds with_sides_and_normal(const Seen& seen, DistanceBounds bounds) {
+  const Shares on_bc =
+      clamped(near_share(seen.b, {seen.c[0] - seen.b[0], seen.c[1] - seen.b[1], seen.c[2] - seen.b[2]}), 0.0);
+  const std::array sides{clamped(near_share(seen.a, seen.ab), 0.0), clamped(0.0, near_share(seen.a, seen.ac)),
+                         Shares{1.0 - on_bc.b, on_bc.b}};
+  for (const Shares& side : sides) {
+    const DistanceBounds other = bounds_at(seen, side);
+    bounds.lower = std::max(bounds.lower, other.lower);
+    if (other.upper < bounds.upper) {
+      bounds.upper = other.upper;
+      bounds.way = other.way;
+    }
+  }
+  const Point normal = outer(seen.ab, seen.ac);
+  bounds.lower = std::max({bounds.lower, lower_by(seen, normal), lower_by(seen, {-normal[0], -normal[1], -normal[2]})});
+  return bounds;
+}
+
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: which of corners, sides and face is nearest. It proposes only.
+Shares near_shares(const Seen& seen) {
+  const double d1 = -inner(seen.ab, seen.a);
+  const double d2 = -inner(seen.ac, seen.a);
+  if (d1 <= 0.0 && d2 <= 0.0) return {0.0, 0.0};
+  const double d3 = -inner(seen.ab, seen.b);
+  const double d4 = -inner(seen.ac, seen.b);
+  if (d3 >= 0.0 && d4 <= d3) return {1.0, 0.0};
+  const double d5 = -inner(seen.ab, seen.c);
+  const double d6 = -inner(seen.ac, seen.c);
+  if (d6 >= 0.0 && d5 <= d6) return {0.0, 1.0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return {d1 / (d1 - d3), 0.0};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return {0.0, d2 / (d2 - d6)};
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 >= d3 && d5 >= d6) {
+    const double share = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {1.0 - share, share};
+  }
+  const double sum = va + vb + vc;
+  return {vb / sum, vc / sum};
+}
+
+}  // namespace
+
+DistanceBounds distance_bounds(const Point& point, const Triangle& triangle) {
+  const Seen seen(point, triangle);
+  const Shares shares = near_shares(seen);
+  const DistanceBounds bounds = bounds_at(seen, clamped(shares.b, shares.c));
+  if (bounds.upper - bounds.lower <= 64 * share_of_magnitude * seen.magnitude) return bounds;
+  return with_sides_and_normal(seen, bounds);
+}
 
 namespace {
 

@@ -1,4 +1,4 @@
-/// How points, rays and triangles of binary64 coordinates lie to each other, decided exactly.
+/// How points, rays and triangles of binary64 coordinates lie to each other: distances enclosed, sides exact.
 #pragma once
 
 #include <array>
@@ -10,6 +10,17 @@
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+/// Of the distance of a point from a closed triangle, which may be degenerate, and the way to a point of it: proposed
+/// as the nearest one.
+struct DistanceBounds {
+  double lower;
+  double upper;
+  Point way;
+};
+
+/// Preconditions: finite; differences no larger than 2^300. What lies below 2^-500 is wide.
+[[nodiscard]] DistanceBounds distance_bounds(const Point& point, const Triangle& triangle);
 
 // Signs are -1, 0 or 1. Filters in binary64 decide nearly all, MPFR with as many bits as any result can have the
 // others. Preconditions: coordinates are finite; no larger than 2^300 where a filter is asked alone.
