@@ -1,0 +1,96 @@
+/// A closed mesh as a solid: proven signed distances of points.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/search/triangle_geometry.hpp"
+#include "verify/search/wide_tree.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// The solid: the triangles, and every point about which they wind (docs/mathematics.md §29). They may cross, touch and
+/// coincide, lie in several shells, and be turned inward. Immutable: safe to ask from many threads.
+class ClosedMesh {
+ public:
+  /// Throws Error(input) for a mesh without triangles, for one that is not closed, with the number of open edges, and
+  /// for one whose largest coordinate is not in [WideTree::least_size, WideTree::largest_size]. Precondition: triangles
+  /// of vertices that are there, finite coordinates.
+  explicit ClosedMesh(const Mesh& mesh);
+
+  enum class Side : std::uint8_t { outside, inside, on_surface };
+
+  /// How the side was decided.
+  enum class Means : std::uint8_t {
+    box,     ///< the point lies beyond the mesh's box
+    planes,  ///< of all triangles that may be nearest
+    ray,     ///< the winding number
+    exact,   ///< the point lies on a triangle
+  };
+
+  struct Distance {
+    Enclosure signed_distance;  ///< to the solid; inside, minus the distance to the nearest triangle
+    Side side;
+    Means means;
+    std::uint32_t triangle;  ///< one that is as near as the upper end says
+    bool alone;              ///< it is proven to be the only nearest one
+    Point closest;           ///< proposed: a point of the triangle, to rounding
+    Point normal;            ///< proposed: about the gradient of the signed distance, of about unit length, or 0
+  };
+
+  /// `hint`: a triangle to begin with, as that of a neighbour. It changes no proof. Precondition: finite.
+  [[nodiscard]] Distance signed_distance(const Point& point, std::optional<std::uint32_t> hint = {}) const;
+
+  /// Of many points, which are visited in an order in which neighbours follow each other. Preconditions: finite; as
+  /// many distances as points.
+  void signed_distances(std::span<const Point> points, std::span<Distance> distances) const;
+
+  /// How often the triangles wind about the point, counted along a ray. Precondition: the point lies on none.
+  [[nodiscard]] int winding_number(const Point& point) const;
+
+  struct Facts {
+    std::size_t triangles = 0;
+    std::size_t degenerate = 0;  ///< corners on a line
+    std::size_t unclean = 0;     ///< not proven to meet others in common corners alone: they cross, touch or coincide
+    std::size_t outward = 0;     ///< clean, the solid lies behind it and not before it
+    std::size_t inward = 0;      ///< clean, the solid lies before it and not behind it
+    std::size_t within = 0;      ///< clean, the solid lies on both sides
+    std::size_t patches = 0;     ///< sets of clean triangles that are connected through sides
+
+    /// Inside, minus the signed distance is the depth; else it is at most the depth.
+    [[nodiscard]] bool depth_is_exact() const { return outward + inward == triangles; }
+  };
+  [[nodiscard]] const Facts& facts() const { return facts_; }
+  [[nodiscard]] const WideTree& tree() const { return tree_; }
+
+ private:
+  /// On which sides of a triangle the solid lies, where no other triangle meets its inside.
+  struct Sides {
+    bool known = false;
+    bool before = false;  ///< where the normal points to
+    bool behind = false;
+  };
+
+  struct SidedEdge;
+  [[nodiscard]] std::vector<SidedEdge> closed_edges() const;
+  [[nodiscard]] std::vector<bool> clean_triangles() const;
+  void find_sides(const std::vector<SidedEdge>& edges, const std::vector<bool>& clean);
+  [[nodiscard]] std::optional<int> winding_before(std::uint32_t triangle) const;
+  [[nodiscard]] bool is_in_box(const Point& point) const;
+  [[nodiscard]] bool is_on_triangle(const Point& point, const WideTree::Nearest& nearest) const;
+  [[nodiscard]] std::optional<Side> side_by_planes(const Point& point, const WideTree::Nearest& nearest) const;
+  void decide_side(const Point& point, const WideTree::Nearest& nearest, Distance& distance) const;
+
+  std::vector<Corners> corners_;  ///< equal for equal places
+  WideTree tree_;
+  std::vector<Sides> sides_;
+  Facts facts_;
+};
+
+}  // namespace verisq::verify
