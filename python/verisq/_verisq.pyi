@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterator, Literal, Mapping, Sequence
+from typing import Any, Iterator, Literal, Mapping, Sequence, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -165,6 +165,7 @@ class PoseMapper:
     ) -> None: ...
     def __call__(self, poses: ArrayLike) -> Map: ...
 
+@overload
 def map(
     model: Model,
     points: ArrayLike,
@@ -176,6 +177,8 @@ def map(
     certificates: bool = False,
     pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
+@overload
+def map(model: Mesh, points: ArrayLike, *, tolerance: float | None = None) -> Map: ...
 def map_triangles(
     model: Model,
     triangles: ArrayLike,

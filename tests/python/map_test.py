@@ -4,10 +4,12 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import tracemalloc
 import unittest
+from pathlib import Path
 
 import numpy as np
 import verisq
@@ -17,6 +19,61 @@ from command_line import EXAMPLES, map_of_points, message
 
 def random_points(count, extent, seed):
     return np.random.default_rng(seed).uniform(-extent, extent, (count, 3))
+
+
+class MeshAsTheSolid(unittest.TestCase):
+    """A closed mesh in place of the model: an implant as it comes."""
+
+    CUBE = ([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
+            [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+             [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = Path(folder.name, "cube.off")
+        self.cube = verisq.Mesh(*self.CUBE)
+        self.cube.save(self.file)
+
+    def test_distances_to_a_cube_are_those_of_its_formula(self):
+        points = random_points(5000, 3.0, 7)
+        beyond = np.abs(points) - 1.0
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+        exact = np.where(outside > 0.0, outside, beyond.max(axis=1))
+        found = verisq.map(self.cube, points)
+        self.assertTrue((found.lo <= exact + 1e-15).all())
+        self.assertTrue((exact - 1e-15 <= found.hi).all())
+        self.assertLess((found.hi - found.lo).max(), 1e-13)
+        self.assertEqual(found.host_verified, 5000)
+
+    def test_a_mesh_that_is_turned_inward_is_the_same_solid(self):
+        points = random_points(500, 3.0, 8)
+        inward = verisq.Mesh(self.CUBE[0], np.array(self.CUBE[1])[:, ::-1])
+        np.testing.assert_array_equal(verisq.map(inward, points).lo < 0, verisq.map(self.cube, points).lo < 0)
+
+    def test_rows_are_those_of_the_command_line(self):
+        points = random_points(3000, 3.0, 9)
+        rows = map_of_points(self.file, points)
+        found = verisq.map(self.cube, points)
+        self.assertEqual(found.lo.tobytes(), np.ascontiguousarray(rows["lo"]).tobytes())
+        self.assertEqual(found.hi.tobytes(), np.ascontiguousarray(rows["hi"]).tobytes())
+
+    def test_what_is_no_solid_is_refused(self):
+        opened = verisq.Mesh(self.CUBE[0], self.CUBE[1][1:])
+        with self.assertRaisesRegex(verisq.Error, "3"):
+            verisq.map(opened, [[0.0, 0, 0]])
+        with self.assertRaisesRegex(verisq.Error, "no triangles"):
+            verisq.map(verisq.Mesh(self.CUBE[0]), [[0.0, 0, 0]])
+        with self.assertRaisesRegex(verisq.Error, "not finite"):
+            verisq.map(self.cube, [[np.nan, 0, 0]])
+
+    def test_what_a_mesh_lacks_so_far_is_refused(self):
+        given = ["map", "--model", self.file, "--mesh", EXAMPLES / "cavity.off", "-o", self.file.parent / "map.csv"]
+        for option in (["--certificates"], ["--on", "triangles"], ["--closest-points"], ["--png", "picture.png"],
+                       ["--device", "0"], ["--point-radius", "1"], ["--pose", "1,0,0,1,0,0,0"]):
+            with self.subTest(option):
+                self.assertIn("mesh", message(*given, *option))
+        self.assertIn("is a mesh", message("octree", "--model", self.file, "-o", self.file.parent / "octree.vtu"))
 
 
 class SameAsCommandLine(unittest.TestCase):
