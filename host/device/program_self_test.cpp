@@ -196,17 +196,14 @@ std::string first_fault_of_triangles(const Device& device, const cl::Program& pr
   return {};
 }
 
-std::string first_fault_of_poses(const Device& device, const cl::Program& program) {
+std::string first_fault_of_poses(const Device& device, const cl::Program& program, PoseDistances& of_host) {
   const Model a = sample_model({sample_solid(48.0), other_sample_solid(48.0)});
   for (const Model& b :
        {sample_model({other_sample_solid(30.0)}), sample_model({sample_solid(20.0), other_sample_solid(20.0)})}) {
     const std::vector<Pose> poses = sample_poses(a);
-    const PairDistance distance(a, b);
-    std::vector<Enclosure> of_host(poses.size());
-    in_parallel(poses.size(), [&](std::size_t n) { of_host[n] = distance(poses[n]).distance; });
     const auto batch = pose_batch(device, program, a, b);
     std::string found =
-        contradiction(answers(*batch, poses), of_host, narrow_part * bounding_radius(a), poses.size() / 3);
+        contradiction(answers(*batch, poses), of_host(a, b, poses), narrow_part * bounding_radius(a), poses.size() / 3);
     if (!found.empty()) return found;
   }
   return {};

@@ -11,7 +11,10 @@
 
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
+#include "host/device/query_batches.hpp"
 #include "host/device/solid_batch.hpp"
+#include "host/threads/parallel.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
@@ -26,6 +29,16 @@ namespace verisq::device {
 [[nodiscard]] std::vector<Enclosure> distances_by_host(const Model& model, std::span<const Point> points,
                                                        double tolerance);
 
+/// The host's enclosure of the distance of two unions of convex primitives at each pose of the second. Inline, so that
+/// a program that maps no poses is linked without what finds their distances.
+[[nodiscard]] inline std::vector<Enclosure> pose_distances_by_host(const Model& a, const Model& b,
+                                                                   std::span<const Pose> poses) {
+  const PairDistance distance(a, b);
+  std::vector<Enclosure> found(poses.size());
+  in_parallel(poses.size(), [&](std::size_t n) { found[n] = distance(poses[n]).distance; });
+  return found;
+}
+
 /// A convex solid of general shape and place, and another that overlaps it, in units of `unit`.
 [[nodiscard]] Primitive sample_solid(double unit);
 [[nodiscard]] Primitive other_sample_solid(double unit);
@@ -39,8 +52,9 @@ namespace verisq::device {
 /// is none. `program` is of triangles, compiled for the device's vector width.
 [[nodiscard]] std::string first_fault_of_triangles(const Device& device, const cl::Program& program);
 
-/// Likewise of the distances of two unions at sampled poses; `program` is of pairs.
-[[nodiscard]] std::string first_fault_of_poses(const Device& device, const cl::Program& program);
+/// Likewise of the distances of two unions at sampled poses; `program` is of pairs, `of_host` pose_distances_by_host.
+[[nodiscard]] std::string first_fault_of_poses(const Device& device, const cl::Program& program,
+                                               PoseDistances& of_host);
 
 // The kernels of points about convex primitives on samples, launched as a map launches them.
 

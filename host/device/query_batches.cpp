@@ -452,12 +452,12 @@ std::unique_ptr<Batch<Pose>> batch_of(const Device& device, const cl::Program& p
 
 }  // namespace
 
-std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b) {
+std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b, PoseDistances& of_host) {
   return reporting_failures(device.name, [&] {
     const DeviceModel both(device, joined(a, b));
     const cl::Program program = build_program(device.context, device.device, device.vector_width,
                                               kernels::embedded_pair_sources(), both.memory);
-    require_sound(device, program, "kernels of pairs", [&] { return first_fault_of_poses(device, program); });
+    require_sound(device, program, "kernels of pairs", [&] { return first_fault_of_poses(device, program, of_host); });
     return batch_of(device, program, both, a.primitives.size());
   });
 }

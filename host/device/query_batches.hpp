@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "host/device/chunk_pipeline.hpp"
@@ -128,9 +129,13 @@ class CertificateAssembly {
 
 // Poses of a model B in, enclosures of its distances to a model A out; there are no certificates.
 
-/// Throws Error(failure) with the name of a failed OpenCL call, and
-/// RefusedDevice where the kernels err on samples.
-[[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b);
+/// Enclosures of the distance of B to A at each pose of B.
+using PoseDistances = std::vector<Enclosure>(const Model& a, const Model& b, std::span<const Pose> poses);
+
+/// Throws Error(failure) with the name of a failed OpenCL call, and RefusedDevice where the kernels err on samples:
+/// where they contradict `of_host`, which is pose_distances_by_host.
+[[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b,
+                                                      PoseDistances& of_host);
 
 /// With kernels that are not tried before. Precondition: compiled for the device's vector width.
 [[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const cl::Program& program, const Model& a,

@@ -91,17 +91,6 @@ std::vector<std::uint32_t> areas_of(std::span<const AreaRun> runs) {
 
 }  // namespace
 
-SubjectFile subject_file(const std::filesystem::path& path) {
-  InputFile file(path);
-  constexpr std::size_t block = std::size_t{1} << 16U;
-  Sha256 hash;
-  for (std::string_view bytes = file.peek(block); !bytes.empty(); bytes = file.peek(block)) {
-    hash.add(std::as_bytes(std::span(bytes)));
-    (void)file.take(bytes.size(), "the file");
-  }
-  return {path.filename().string(), hash.digest()};
-}
-
 Answer parse_answer(std::string_view json, std::string_view name) {
   const nlohmann::json document = parse_json(json, name);
   return read_any(JsonValue(document, name), std::type_identity<Answer>());

@@ -1,4 +1,4 @@
-/// Chunks of points, each shared by the processors.
+/// Closest points of points, chunk by chunk, each shared by the processors.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,11 +14,6 @@ namespace {
 void refuse_if_not_finite(const Point& x, std::size_t index) {
   if (std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return;
   throw Error(ErrorKind::input, fmt::format("point {}: ({}, {}, {}) is not finite", index, x[0], x[1], x[2]));
-}
-
-ClosestPoints anywhere() {
-  constexpr Enclosure anything{-infinity, infinity};
-  return {{anything, anything, anything}, {anything, anything, anything}, false};
 }
 
 double widest_interval(const EnclosedPoint& box) {
@@ -79,22 +74,6 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
   }
   ClosestPointSummary summary = summary_of(rows.first(done));
   summary.interrupted = done < points.size();
-  return summary;
-}
-
-ClosestPointSummary closest_points(const PairDistance& distance, std::span<const Pose> poses,
-                                   std::span<ClosestPoints> rows, const std::function<bool()>& interrupted) {
-  if (rows.size() != poses.size()) {
-    throw Error(ErrorKind::input, fmt::format("{} rows for the closest points of {} poses", rows.size(), poses.size()));
-  }
-  const SeenInterruption seen(interrupted);
-  const std::function<bool()> stop = [&seen] { return seen(); };
-  const std::size_t done = in_parallel_until(seen, poses.size(), [&](std::size_t k) {
-    rows[k] = distance.closest_points(distance(poses[k], stop), poses[k], stop).value_or(anywhere());
-  });
-  for (ClosestPoints& row : rows.subspan(done)) row = anywhere();
-  ClosestPointSummary summary = summary_of(rows.first(done));
-  summary.interrupted = done < poses.size();
   return summary;
 }
 

@@ -1,4 +1,4 @@
-/// Whether rows of a map go where its queries, or other rows, lie.
+/// Maps of points and of triangles.
 #include "verisq/map.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host/device/device_model.hpp"
@@ -26,17 +29,13 @@
 #include "verify/search/fit_box_bound.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
+#include "verify/search/triangle_pieces.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/device.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
-
-/// Throws Error(input) where a value of a row may share memory with a coordinate or with another value of a row: rows
-/// are written while coordinates are read. Columns that interleave, like those of one record, lie apart where their
-/// strides are the same. Precondition: as many rows as points.
-void require_apart(const PointColumns& points, const ResultColumns& rows);
 
 namespace {
 
@@ -210,15 +209,146 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
 
 namespace {
 
-using verify::MemberBounds;
+// Maps of triangles.
 
-/// Of the bracketing models' maps: each end to half the tolerance.
-MapOptions of_one_end(const MemberBounds& bounds, MapOptions options) {
-  if (bounds.exact()) return options;
-  options.tolerance = options.tolerance / 2;
-  options.covers = false;  // of several primitives together
-  return options;
+/// Its corners.
+std::string text_of(const Triangle& triangle) {
+  std::string text;
+  for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
+  return text;
 }
+
+/// Throws Error(input) for a triangle that is not finite.
+void require_finite(const Triangle& triangle) {
+  const auto finite = [](double c) { return std::isfinite(c); };
+  if (!std::ranges::all_of(triangle, [&](const Point& corner) { return std::ranges::all_of(corner, finite); }))
+    throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", text_of(triangle)));
+}
+
+/// As tight as searches get, where a tolerance of 0 asks for that.
+double searched_tolerance(const MapOptions& options, double radius) {
+  return std::max(options.tolerance, tightest_inside * radius);
+}
+
+class SolidTriangleProver {
+ public:
+  SolidTriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        tolerance_(searched_tolerance(options, radius_)),
+        stop_(either(options.interrupted, options.out_of_time)),
+        search_(model) {
+    if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
+    const SignedDistance distance(model);
+    refuse_empty(model, distance, options.interrupted);
+    if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);
+  }
+
+  void check(const Triangle& triangle) const { require_finite(triangle); }
+  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, std::max(tightest_inside * radius_, tightest_width(triangle, found, radius_)));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    if (certificates_) return search_.certified(triangle, tolerance_, stop_);
+    return {search_(triangle, tolerance_, stop_), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const {
+    if (certificates_) return {{0.0, infinity}, {}};  // nothing else has one
+    const verify::DividedTriangle divided(triangle);
+    const Enclosure at_corner = (*coarse_)(triangle[0]);
+    const double lower = std::max(0.0, divided.lower_by_ball(triangle, triangle[0], at_corner.lo));
+    return {{lower, divided.upper_by_point(at_corner.hi)}, {}};
+  }
+
+  [[nodiscard]] bool witnessed(const Triangle& /*triangle*/, double /*hi*/, const Certificate& /*none*/) const {
+    return false;
+  }
+
+ private:
+  bool certificates_;
+  double radius_;
+  double tolerance_;
+  std::function<bool()> stop_;
+  TriangleSearch search_;
+  std::optional<verify::CoarseDistance> coarse_;  // where there is a time limit
+};
+
+/// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
+/// no point, and for options that ask for certificates without covers.
+std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
+  const std::string unsuited = options.certificates ? "certificates of bent solids and set operations are the host's"
+                                                    : device::why_not_compiled(model);
+  const auto make_batch = [model, options](const device::Device& device) {
+    const double tolerance = searched_tolerance(options, bounding_radius(model));
+    return device::solid_triangle_batch(device, model, tolerance, either(options.interrupted, options.out_of_time));
+  };
+  return std::make_unique<PreparedMap<Triangle, SolidTriangleProver>>(SolidTriangleProver(model, options), options,
+                                                                      model, make_batch, unsuited);
+}
+
+class TriangleProver {
+ public:
+  TriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        distance_(model),
+        late_rows_(std::make_unique<LateRows>(model)),
+        witness_distance_(model) {}
+
+  void check(const Triangle& triangle) const { require_finite(triangle); }
+  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, tightest_width(triangle, found, radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    late_rows_->begin_anew();
+    return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const { return late_rows_->next(triangle); }
+
+  [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
+    if (!certificate.weights) return false;
+    const auto [w1, w2] = *certificate.weights;
+    std::array<long double, 3> q{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const long double corner = triangle[0][i];
+      q[i] = corner + w1 * (triangle[1][i] - corner) + w2 * (triangle[2][i] - corner);
+    }
+    return witness_distance_(q, certificate.normals.front()) <= hi;
+  }
+
+ private:
+  bool certificates_;
+  double radius_;
+  TriangleDistance distance_;
+  std::unique_ptr<LateRows> late_rows_;
+  verify::WitnessEstimate witness_distance_;
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
+  if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
+  if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
+  const auto make_batch = [model, certificates = options.certificates](const device::Device& device) {
+    return device::triangle_batch(device, model, certificates);
+  };
+  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
+      TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
+}
+
+namespace {
+
+using verify::MemberBounds;
 
 /// The obligation of Bracket: where the primitives of a union move independently of each other, no upper end may be
 /// proven by several of them together. Certificates never are.
@@ -250,55 +380,11 @@ BracketedMap<Triangle> maps_of(const Bracket& models, const MapOptions& options)
   return verify::bracketed(without_inflated, [&](const Model& model) { return triangle_map(model, options); });
 }
 
-BracketedMap<Pose> maps_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
-  BracketedMap<Pose> maps{pose_map(a.smallest, b.smallest, options), std::nullopt, std::nullopt};
-  if (!verify::same_solids(a) || !verify::same_solids(b)) maps.largest = pose_map(a.largest, b.largest, options);
-  return maps;
-}
-
 template <class Query>
 BracketMap<Query> bracket_map_of(const Bracket& models, const MapOptions& options) {
   refuse_empty_members(models, options.interrupted);
   const MemberBounds bounds(models, options.point_radius);
   return {bounds, options, maps_of<Query>(models, of_one_end(bounds, options))};
-}
-
-BracketMap<Pose> bracket_map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
-  for (const Bracket* models : {&a, &b}) refuse_empty_members(*models, options.interrupted);
-  const MemberBounds bounds(a, b);
-  return {bounds, options, maps_of(a, b, of_one_end(bounds, options))};
-}
-
-/// An infinite tolerance takes any enclosure.
-void check_lengths(const MapOptions& options) {
-  const auto require = [](bool holds, const char* name, double value, const char* what) {
-    if (!holds) throw Error(ErrorKind::input, fmt::format("map: {} = {}: must be {}", name, value, what));
-  };
-  require(options.tolerance >= 0.0, "tolerance", options.tolerance, "at least 0");
-  require(options.point_radius >= 0.0 && std::isfinite(options.point_radius), "point_radius", options.point_radius,
-          "finite and at least 0");
-}
-
-void check_uncertain_pose(const MapOptions& options, bool divisible) {
-  check_lengths(options);
-  if (!options.pose_uncertainty) return;
-  const auto refuse = [](const char* what) { throw Error(ErrorKind::input, fmt::format("uncertain poses: {}", what)); };
-  if (options.certificates) refuse("there are no certificates");
-  if (options.tolerance == 0.0) refuse("rows are never narrower than distances differ: the tolerance must be above 0");
-  if (options.pose_divisions == 0) refuse("the divisions must be at least 1");
-  if (options.pose_divisions > 1 && !divisible) refuse("places are divided for points alone");
-}
-
-/// At the nominal pose: distances to a small part of what the motions, which take the model as far as `reach`, leave.
-MapOptions at_nominal_pose(MapOptions options, double reach) {
-  constexpr double parts = 32.0;
-  if (options.pose_uncertainty)
-    options.tolerance = std::max(options.tolerance, reach) / (parts * options.pose_divisions);
-  return options;
-}
-
-double reach_of(const MapOptions& options, const Model& model) {
-  return options.pose_uncertainty ? verify::reach_of(*options.pose_uncertainty, model) : 0.0;
 }
 
 /// Of points, where the model is one that convexity says more of.
@@ -309,6 +395,8 @@ std::optional<ConvexPoseRows> convex_rows_of(const Bracket& models, const MapOpt
   return ConvexPoseRows(models.largest, *options.pose_uncertainty, at_nominal_pose(options, reach));
 }
 
+}  // namespace
+
 template <class Query>
 UncertainPoseMap<Query> map_of(const Bracket& models, const MapOptions& options) {
   check_uncertain_pose(options, std::same_as<Query, Point>);
@@ -317,75 +405,7 @@ UncertainPoseMap<Query> map_of(const Bracket& models, const MapOptions& options)
           convex_rows_of<Query>(models, options, reach)};
 }
 
-UncertainPoseMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
-  check_uncertain_pose(options, false);
-  const double reach = reach_of(options, b.largest);
-  return {options, reach, bracket_map_of(a, b, at_nominal_pose(options, reach))};
-}
-
-}  // namespace
-
-template <class Query>
-struct Mapper<Query>::State {
-  /// Threads that prove rows see what the caller's thread is told.
-  template <class... Models>
-  State(const MapOptions& options, const Models&... models)
-      : interrupted(std::make_shared<SeenInterruption>(options.interrupted)), map(made(options, models...)) {}
-
-  std::shared_ptr<SeenInterruption> interrupted;
-  UncertainPoseMap<Query> map;
-
- private:
-  template <class... Models>
-  [[nodiscard]] UncertainPoseMap<Query> made(MapOptions options, const Models&... models) const {
-    options.interrupted = [seen = interrupted] { return (*seen)(); };
-    if constexpr (sizeof...(Models) == 2) {
-      return map_of(models..., options);
-    } else {
-      return map_of<Query>(models..., options);
-    }
-  }
-};
-
-// clang 14 instantiates constructors whose constraints do not hold, too.
-template <class Query>
-Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>) {
-  if constexpr (!std::same_as<Query, Pose>) state_.reset(new State(options, bracket(model)));
-}
-
-template <class Query>
-Mapper<Query>::Mapper(const UncertainModel& a, const UncertainModel& b,
-                      const MapOptions& options) requires std::same_as<Query, Pose> {
-  if constexpr (std::same_as<Query, Pose>) state_.reset(new State(options, bracket(a), bracket(b)));
-}
-
-template <class Query>
-Mapper<Query>::~Mapper() = default;
-template <class Query>
-Mapper<Query>::Mapper(Mapper&&) noexcept = default;
-template <class Query>
-Mapper<Query>& Mapper<Query>::operator=(Mapper&&) noexcept = default;
-
-template <class Query>
-MapSummary Mapper<Query>::map(const Source<Query>& source, const Sink<Query>& sink) {
-  state_->interrupted->begin_anew();
-  return state_->map.map(source, sink);
-}
-
-template <class Query>
-MapSummary Mapper<Query>::map(const Queries& queries, const ResultColumns& rows) {
-  if (rows.size() != queries.size())
-    throw Error(ErrorKind::input,
-                fmt::format("there is memory for {} rows, not for those of {} queries", rows.size(), queries.size()));
-  if (state_->map.options().certificates)
-    throw Error(ErrorKind::input, "certificates need a sink: columns of rows have no place for them");
-  if constexpr (std::same_as<Query, Point>) require_apart(queries, rows);
-  state_->interrupted->begin_anew();
-  return state_->map.map_in_memory(queries, rows);
-}
-
 template class Mapper<Point>;
 template class Mapper<Triangle>;
-template class Mapper<Pose>;
 
 }  // namespace verisq

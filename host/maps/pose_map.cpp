@@ -1,4 +1,4 @@
-/// Maps of triangles, and of a model in many poses.
+/// Maps of a model in many poses, and closest points there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +12,14 @@
 #include <vector>
 
 #include "host/device/device_model.hpp"
+#include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
 #include "host/device/solid_batch.hpp"
 #include "host/device/solid_model.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "host/maps/map_run.hpp"
+#include "host/maps/uncertain_map.hpp"
+#include "host/threads/parallel.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/search/certified_distance.hpp"
@@ -32,8 +35,6 @@
 #include "verisq/model.hpp"
 
 namespace verisq {
-
-// Poses as maps of them ask for and name them.
 
 // Poses as maps of them ask for and name them.
 
@@ -56,30 +57,6 @@ inline void require_pose(const Pose& pose) {
 /// As pose_map, by ModelSearch, pose by pose on all processors: no kernel knows such pairs. Throws Error(input)
 /// likewise, and for a model that is proven to have no point.
 [[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
-
-// What messages of maps say about triangles.
-
-// What messages of maps say about triangles.
-
-/// Its corners.
-[[nodiscard]] inline std::string text_of(const Triangle& triangle) {
-  std::string text;
-  for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
-  return text;
-}
-
-/// Throws Error(input) for a triangle that is not finite.
-inline void require_finite(const Triangle& triangle) {
-  const auto finite = [](double c) { return std::isfinite(c); };
-  if (!std::ranges::all_of(triangle, [&](const Point& corner) { return std::ranges::all_of(corner, finite); }))
-    throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", text_of(triangle)));
-}
-
-// The map of triangles about any model: by signed distances of points of theirs.
-
-/// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
-/// no point, and for options that ask for certificates without covers.
-[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options);
 
 namespace {
 
@@ -243,7 +220,9 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
   if (!is_union_of_convex(a) || !is_union_of_convex(b)) return solid_pose_map(a, b, options);
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
-  const auto make_batch = [a, b](const device::Device& device) { return device::pose_batch(device, a, b); };
+  const auto make_batch = [a, b](const device::Device& device) {
+    return device::pose_batch(device, a, b, device::pose_distances_by_host);
+  };
   const Model both = device::joined(a, b);
   return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, both, make_batch,
                                                          device::why_not_as_triangles_or_pairs(both));
@@ -251,127 +230,53 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
 
 namespace {
 
-/// As tight as searches get, where a tolerance of 0 asks for that.
-double searched_tolerance(const MapOptions& options, double radius) {
-  return std::max(options.tolerance, tightest_inside * radius);
+ClosestPoints anywhere() {
+  constexpr Enclosure anything{-infinity, infinity};
+  return {{anything, anything, anything}, {anything, anything, anything}, false};
 }
-
-class SolidTriangleProver {
- public:
-  SolidTriangleProver(const Model& model, const MapOptions& options)
-      : certificates_(options.certificates),
-        radius_(bounding_radius(model)),
-        tolerance_(searched_tolerance(options, radius_)),
-        stop_(either(options.interrupted, options.out_of_time)),
-        search_(model) {
-    if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
-    const SignedDistance distance(model);
-    refuse_empty(model, distance, options.interrupted);
-    if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);
-  }
-
-  void check(const Triangle& triangle) const { require_finite(triangle); }
-  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
-
-  // False for NaN.
-  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
-    return verified(found, std::max(tightest_inside * radius_, tightest_width(triangle, found, radius_)));
-  }
-
-  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
-    if (certificates_) return search_.certified(triangle, tolerance_, stop_);
-    return {search_(triangle, tolerance_, stop_), {}};
-  }
-
-  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const {
-    if (certificates_) return {{0.0, infinity}, {}};  // nothing else has one
-    const verify::DividedTriangle divided(triangle);
-    const Enclosure at_corner = (*coarse_)(triangle[0]);
-    const double lower = std::max(0.0, divided.lower_by_ball(triangle, triangle[0], at_corner.lo));
-    return {{lower, divided.upper_by_point(at_corner.hi)}, {}};
-  }
-
-  [[nodiscard]] bool witnessed(const Triangle& /*triangle*/, double /*hi*/, const Certificate& /*none*/) const {
-    return false;
-  }
-
- private:
-  bool certificates_;
-  double radius_;
-  double tolerance_;
-  std::function<bool()> stop_;
-  TriangleSearch search_;
-  std::optional<verify::CoarseDistance> coarse_;  // where there is a time limit
-};
 
 }  // namespace
 
-std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
-  const std::string unsuited = options.certificates ? "certificates of bent solids and set operations are the host's"
-                                                    : device::why_not_compiled(model);
-  const auto make_batch = [model, options](const device::Device& device) {
-    const double tolerance = searched_tolerance(options, bounding_radius(model));
-    return device::solid_triangle_batch(device, model, tolerance, either(options.interrupted, options.out_of_time));
-  };
-  return std::make_unique<PreparedMap<Triangle, SolidTriangleProver>>(SolidTriangleProver(model, options), options,
-                                                                      model, make_batch, unsuited);
+ClosestPointSummary closest_points(const PairDistance& distance, std::span<const Pose> poses,
+                                   std::span<ClosestPoints> rows, const std::function<bool()>& interrupted) {
+  if (rows.size() != poses.size()) {
+    throw Error(ErrorKind::input, fmt::format("{} rows for the closest points of {} poses", rows.size(), poses.size()));
+  }
+  const SeenInterruption seen(interrupted);
+  const std::function<bool()> stop = [&seen] { return seen(); };
+  const std::size_t done = in_parallel_until(seen, poses.size(), [&](std::size_t k) {
+    rows[k] = distance.closest_points(distance(poses[k], stop), poses[k], stop).value_or(anywhere());
+  });
+  for (ClosestPoints& row : rows.subspan(done)) row = anywhere();
+  ClosestPointSummary summary = summary_of(rows.first(done));
+  summary.interrupted = done < poses.size();
+  return summary;
 }
 
 namespace {
 
-class TriangleProver {
- public:
-  TriangleProver(const Model& model, const MapOptions& options)
-      : certificates_(options.certificates),
-        radius_(bounding_radius(model)),
-        distance_(model),
-        late_rows_(std::make_unique<LateRows>(model)),
-        witness_distance_(model) {}
+using verify::MemberBounds;
 
-  void check(const Triangle& triangle) const { require_finite(triangle); }
-  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
+BracketedMap<Pose> maps_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  BracketedMap<Pose> maps{pose_map(a.smallest, b.smallest, options), std::nullopt, std::nullopt};
+  if (!verify::same_solids(a) || !verify::same_solids(b)) maps.largest = pose_map(a.largest, b.largest, options);
+  return maps;
+}
 
-  // False for NaN.
-  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
-    return verified(found, tightest_width(triangle, found, radius_));
-  }
-
-  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
-    late_rows_->begin_anew();
-    return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
-  }
-
-  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const { return late_rows_->next(triangle); }
-
-  [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
-    if (!certificate.weights) return false;
-    const auto [w1, w2] = *certificate.weights;
-    std::array<long double, 3> q{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const long double corner = triangle[0][i];
-      q[i] = corner + w1 * (triangle[1][i] - corner) + w2 * (triangle[2][i] - corner);
-    }
-    return witness_distance_(q, certificate.normals.front()) <= hi;
-  }
-
- private:
-  bool certificates_;
-  double radius_;
-  TriangleDistance distance_;
-  std::unique_ptr<LateRows> late_rows_;
-  verify::WitnessEstimate witness_distance_;
-};
+BracketMap<Pose> bracket_map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  for (const Bracket* models : {&a, &b}) refuse_empty_members(*models, options.interrupted);
+  const MemberBounds bounds(a, b);
+  return {bounds, options, maps_of(a, b, of_one_end(bounds, options))};
+}
 
 }  // namespace
 
-std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
-  if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
-  if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
-  const auto make_batch = [model, certificates = options.certificates](const device::Device& device) {
-    return device::triangle_batch(device, model, certificates);
-  };
-  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
-      TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
+UncertainPoseMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  check_uncertain_pose(options, false);
+  const double reach = reach_of(options, b.largest);
+  return {options, reach, bracket_map_of(a, b, at_nominal_pose(options, reach))};
 }
+
+template class Mapper<Pose>;
 
 }  // namespace verisq

@@ -1,8 +1,11 @@
 /// Maps of uncertain models, by those that bracket them, and of uncertain poses.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <concepts>
 #include <memory>
 #include <optional>
@@ -17,6 +20,9 @@
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/search/fit_box_bound.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/error.hpp"
+#include "verisq/map.hpp"
 
 namespace verisq {
 
@@ -313,5 +319,116 @@ class UncertainPoseMap {
   BracketMap<Query> map_;
   std::optional<ConvexPoseRows> convex_;
 };
+
+// Maps as their users make them.
+
+/// Of the bracketing models' maps: each end to half the tolerance.
+[[nodiscard]] inline MapOptions of_one_end(const verify::MemberBounds& bounds, MapOptions options) {
+  if (bounds.exact()) return options;
+  options.tolerance = options.tolerance / 2;
+  options.covers = false;  // of several primitives together
+  return options;
+}
+
+/// An infinite tolerance takes any enclosure.
+inline void check_lengths(const MapOptions& options) {
+  const auto require = [](bool holds, const char* name, double value, const char* what) {
+    if (!holds) throw Error(ErrorKind::input, fmt::format("map: {} = {}: must be {}", name, value, what));
+  };
+  require(options.tolerance >= 0.0, "tolerance", options.tolerance, "at least 0");
+  require(options.point_radius >= 0.0 && std::isfinite(options.point_radius), "point_radius", options.point_radius,
+          "finite and at least 0");
+}
+
+inline void check_uncertain_pose(const MapOptions& options, bool divisible) {
+  check_lengths(options);
+  if (!options.pose_uncertainty) return;
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::input, fmt::format("uncertain poses: {}", what)); };
+  if (options.certificates) refuse("there are no certificates");
+  if (options.tolerance == 0.0) refuse("rows are never narrower than distances differ: the tolerance must be above 0");
+  if (options.pose_divisions == 0) refuse("the divisions must be at least 1");
+  if (options.pose_divisions > 1 && !divisible) refuse("places are divided for points alone");
+}
+
+/// At the nominal pose: distances to a small part of what the motions, which take the model as far as `reach`, leave.
+[[nodiscard]] inline MapOptions at_nominal_pose(MapOptions options, double reach) {
+  constexpr double parts = 32.0;
+  if (options.pose_uncertainty)
+    options.tolerance = std::max(options.tolerance, reach) / (parts * options.pose_divisions);
+  return options;
+}
+
+[[nodiscard]] inline double reach_of(const MapOptions& options, const Model& model) {
+  return options.pose_uncertainty ? verify::reach_of(*options.pose_uncertainty, model) : 0.0;
+}
+
+/// Of a model that lies between those of the bracket (map.cpp), and of two such (pose_map.cpp).
+template <class Query>
+[[nodiscard]] UncertainPoseMap<Query> map_of(const Bracket& models, const MapOptions& options);
+[[nodiscard]] UncertainPoseMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options);
+
+/// Throws Error(input) where a value of a row may share memory with a coordinate or with another value of a row: rows
+/// are written while coordinates are read. Columns that interleave, like those of one record, lie apart where their
+/// strides are the same. Precondition: as many rows as points.
+void require_apart(const PointColumns& points, const ResultColumns& rows);
+
+template <class Query>
+struct Mapper<Query>::State {
+  /// Threads that prove rows see what the caller's thread is told.
+  template <class... Models>
+  State(const MapOptions& options, const Models&... models)
+      : interrupted(std::make_shared<SeenInterruption>(options.interrupted)), map(made(options, models...)) {}
+
+  std::shared_ptr<SeenInterruption> interrupted;
+  UncertainPoseMap<Query> map;
+
+ private:
+  template <class... Models>
+  [[nodiscard]] UncertainPoseMap<Query> made(MapOptions options, const Models&... models) const {
+    options.interrupted = [seen = interrupted] { return (*seen)(); };
+    if constexpr (sizeof...(Models) == 2) {
+      return map_of(models..., options);
+    } else {
+      return map_of<Query>(models..., options);
+    }
+  }
+};
+
+// clang 14 instantiates constructors whose constraints do not hold, too.
+template <class Query>
+Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>) {
+  if constexpr (!std::same_as<Query, Pose>) state_.reset(new State(options, bracket(model)));
+}
+
+template <class Query>
+Mapper<Query>::Mapper(const UncertainModel& a, const UncertainModel& b,
+                      const MapOptions& options) requires std::same_as<Query, Pose> {
+  if constexpr (std::same_as<Query, Pose>) state_.reset(new State(options, bracket(a), bracket(b)));
+}
+
+template <class Query>
+Mapper<Query>::~Mapper() = default;
+template <class Query>
+Mapper<Query>::Mapper(Mapper&&) noexcept = default;
+template <class Query>
+Mapper<Query>& Mapper<Query>::operator=(Mapper&&) noexcept = default;
+
+template <class Query>
+MapSummary Mapper<Query>::map(const Source<Query>& source, const Sink<Query>& sink) {
+  state_->interrupted->begin_anew();
+  return state_->map.map(source, sink);
+}
+
+template <class Query>
+MapSummary Mapper<Query>::map(const Queries& queries, const ResultColumns& rows) {
+  if (rows.size() != queries.size())
+    throw Error(ErrorKind::input,
+                fmt::format("there is memory for {} rows, not for those of {} queries", rows.size(), queries.size()));
+  if (state_->map.options().certificates)
+    throw Error(ErrorKind::input, "certificates need a sink: columns of rows have no place for them");
+  if constexpr (std::same_as<Query, Point>) require_apart(queries, rows);
+  state_->interrupted->begin_anew();
+  return state_->map.map_in_memory(queries, rows);
+}
 
 }  // namespace verisq

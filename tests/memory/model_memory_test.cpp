@@ -18,6 +18,7 @@
 
 #include "host/device/device_model.hpp"
 #include "host/device/primitive_parameters.hpp"
+#include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
 #include "host/device/solid_batch.hpp"
 #include "host/maps/octree.hpp"
@@ -116,7 +117,7 @@ TEST_F(ModelMemoryTest, PosesGetTheSameBits) {
     for (double& component : pose.quaternion) component = random.uniform(-1.0, 1.0);
   }
   const auto of = [&](const Device& device) {
-    return answers<Pose>(*pose_batch(device, three_primitives(), three_primitives()), poses);
+    return answers<Pose>(*pose_batch(device, three_primitives(), three_primitives(), pose_distances_by_host), poses);
   };
   EXPECT_TRUE(same_bits(of(*device_).enclosures, of(*small_).enclosures));
 }

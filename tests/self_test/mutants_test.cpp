@@ -145,7 +145,7 @@ TEST_F(MutantRefusalTest, Triangles) {
 TEST_F(MutantRefusalTest, Pairs) {
   const FirstFault fault = [this](const std::string& sources) {
     const CompiledKernels kernels = compiled(device(), sources);
-    return device::first_fault_of_poses(kernels, kernels.program);
+    return device::first_fault_of_poses(kernels, kernels.program, device::pose_distances_by_host);
   };
   expect_refused(pair_mutants(), {"rotation of B transposed", "support of B by signed v"},
                  std::string(kernels::embedded_pair_sources()), fault);

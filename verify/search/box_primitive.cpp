@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/set_tree.hpp"
@@ -139,11 +140,7 @@ Vector3<double> exact(const Point& x) {
   return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
 }
 
-bool is_finite(const Point& x) {
-  return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
-}
-
-Interval dot(const Vector3<double>& a, const Vector3<double>& b) {
+Interval scalar_product(const Vector3<double>& a, const Vector3<double>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -312,7 +309,7 @@ HalfSpace BoxPrimitive::State::inside(const AffineMap& map, double half_width) c
   if (!v) return kNothing;
   const double support = bounds.support_up(exact(*v));
   if (!std::isfinite(support)) return kNothing;
-  const double bound = (Interval(support) - dot(exact(*v), map.centre)).upper();
+  const double bound = (Interval(support) - scalar_product(exact(*v), map.centre)).upper();
   return pulled_back(map, *v, bound, half_width);
 }
 
@@ -329,7 +326,7 @@ double BoxPrimitive::State::excess_over_tangent(const AffineMap& map, const Vect
         const double gauge = bounds.is_tapered() ? bounds.gauge_up(exact(corner))
                                                  : bounds.norm(section, std::fabs(end(2, l)), Direction::up);
         if (!is_finite(corner) || !std::isfinite(gauge)) return infinity;
-        const Interval linear = dot(exact(tangent), Vector3<double>(exact(corner) - map.centre));
+        const Interval linear = scalar_product(exact(tangent), Vector3<double>(exact(corner) - map.centre));
         largest = std::max(largest, (Interval(gauge) - Interval(1) - linear).upper());
       }
     }
@@ -353,7 +350,7 @@ bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_wi
   if (!(boundary.gauge({std::fabs(centre[0]), std::fabs(centre[1]), centre[2]}) > 1.0)) return false;
   const auto v = gradient(centre);
   if (!v) return false;
-  const double bound = (Interval(1) - dot(exact(*v), map.centre)).upper();
+  const double bound = (Interval(1) - scalar_product(exact(*v), map.centre)).upper();
   return misses_cube(pulled_back(map, *v, bound, half_width), half_width) &&
          misses_cube(inside(map, half_width), half_width);
 }

@@ -1,4 +1,4 @@
-/// Distances of points with certificates, and by the published method.
+/// Distances of points with certificates, and by the published method; bounds of a gauge in binary64.
 #include "verify/search/certified_distance.hpp"
 
 #include <algorithm>
@@ -7,11 +7,14 @@
 #include <string>
 #include <string_view>
 
+#include "verify/numbers/functions.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/solids/model.hpp"
 #include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -178,6 +181,12 @@ double plane_distance(const Vector3<double>& normal, const Vector3<double>& to) 
   return divide(product, length<double>(normal).upper(), Direction::down);
 }
 
+double bound_of_power(double base, double exponent, Direction direction) {
+  return fast_power(base, exponent, direction);
+}
+
+template class SuperquadricBounds<double>;
+
 }  // namespace verisq::verify
 
 namespace verisq {
@@ -194,18 +203,6 @@ void require_convex(const Primitive& primitive, std::string_view what) {
   if (is_tapered(primitive.superquadric)) {
     throw Error(ErrorKind::input, std::string(what) + ": not supported for tapered solids");
   }
-}
-
-Interval rounded_outward(const PreciseInterval& x) {
-  return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
-}
-
-Vector3<double> rounded_outward(const PreciseVector& x) {
-  return {rounded_outward(x[0]), rounded_outward(x[1]), rounded_outward(x[2])};
-}
-
-Matrix3<double> rounded_outward(const PreciseMatrix& x) {
-  return {rounded_outward(x.row(0)), rounded_outward(x.row(1)), rounded_outward(x.row(2))};
 }
 
 Coordinates<double> middle(const PreciseVector& x) {
@@ -245,8 +242,8 @@ struct RelativeMotion {
   Vector3<double> shift;
 
   RelativeMotion(const RigidMotion& a, const RigidMotion& b)
-      : turn(rounded_outward(b.rotation.transpose() * a.rotation)),
-        shift(rounded_outward(b.rotation.transpose() * PreciseVector(a.translation - b.translation))) {}
+      : turn(in_binary64(b.rotation.transpose() * a.rotation)),
+        shift(in_binary64(b.rotation.transpose() * PreciseVector(a.translation - b.translation))) {}
 
   [[nodiscard]] Vector3<double> point_of_b(const Vector3<double>& x_a) const { return turn * x_a + shift; }
   [[nodiscard]] Vector3<double> direction_of_b(const Vector3<double>& v_a) const { return turn * v_a; }
@@ -262,7 +259,7 @@ Enclosure published_distance(const Primitive& solid, const Point& point, double 
   require_finite(point, "point");
   const BisectedEnclosure enclosure(solid.superquadric);
   const PreciseVector local = RigidMotion(solid.pose).local_point(point);
-  const Vector3<double> q = rounded_outward(local);
+  const Vector3<double> q = in_binary64(local);
   if (enclosure.bounds().gauge(q).upper() <= 1.0) return {0.0, 0.0};
   const GjkResult<double> found = closest(solid, middle(local), accuracy);
   const Vector3<double> p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "verify/numbers/points.hpp"
 #include "verify/proof/pair_checker.hpp"
@@ -378,6 +381,39 @@ std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& f
   const auto& [bounds, a, b] = *state_;
   if (!bounds.exact() || found.proximity != Proximity::separated || !found.complete) return std::nullopt;
   return verify::closest_points(PosedPairs(a.smallest, b.smallest, pose), found, interrupted);
+}
+
+struct CertifiedDistances::State {
+  State(const Model& a, const Model& b, double width) : tolerance(width) {
+    if (is_union_of_convex(a) && is_union_of_convex(b)) {
+      convex.emplace(a, b);
+    } else {
+      search.emplace(a, b);
+    }
+  }
+
+  [[nodiscard]] CertifiedDistance distance(const Pose& pose, const std::function<bool()>& interrupted) const {
+    if (convex) {
+      ModelDistance found = (*convex)(pose, interrupted);
+      return {found.distance, std::move(found.certificate)};
+    }
+    const SearchOptions options{.tolerance = tolerance, .interrupted = interrupted};
+    return search->certified(pose, (*search)(pose, options), options);
+  }
+
+  double tolerance;
+  std::optional<PairDistance> convex;
+  std::optional<ModelSearch> search;
+};
+
+CertifiedDistances::CertifiedDistances(const Model& a, const Model& b, double tolerance)
+    : state_(std::make_unique<State>(a, b, tolerance)) {}
+CertifiedDistances::~CertifiedDistances() = default;
+CertifiedDistances::CertifiedDistances(CertifiedDistances&&) noexcept = default;
+CertifiedDistances& CertifiedDistances::operator=(CertifiedDistances&&) noexcept = default;
+
+CertifiedDistance CertifiedDistances::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
+  return state_->distance(pose, interrupted);
 }
 
 }  // namespace verisq

@@ -1,4 +1,4 @@
-/// The contact of two models, and of a point.
+/// This file implements pair_contact.hpp.
 #include "verify/search/pair_contact.hpp"
 
 #include <Eigen/Dense>
@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "verify/numbers/functions.hpp"
 #include "verify/numbers/norms.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
@@ -404,38 +403,5 @@ std::array<PreciseContact, 3> projected_pair_contacts(const Superquadric& a, con
   release_mpfr_cache_at_thread_exit();
   return PairSolver(a, b, relative).projected(relative);
 }
-
-namespace {
-
-template <class Float>
-Contact solve(const Superquadric& solid, const Proposal& q, const logarithmic::Resolution& resolution) {
-  Contact contact = is_tapered(solid) ? logarithmic::TaperedContactProblem<Float>(solid, q, resolution).solve()
-                                      : logarithmic::ContactProblem<Float>(solid, q, resolution).solve();
-  // Lengths hundreds of decades apart exceed even logarithms; the ray from the centre is never useless.
-  if (!usable(contact.point)) contact.point = q;
-  if (!usable(contact.normal)) contact.normal = q;
-  return contact;
-}
-
-}  // namespace
-
-Contact rough_contact(const Superquadric& solid, const Proposal& q) {
-  return solve<double>(solid, q, logarithmic::kResolution<double>);
-}
-
-Contact fast_contact(const Superquadric& solid, const Proposal& q) {
-  return solve<long double>(solid, q, logarithmic::kResolution<long double>);
-}
-
-Contact thorough_contact(const Superquadric& solid, const Proposal& q) {
-  release_mpfr_cache_at_thread_exit();
-  return solve<FiftyDigits>(solid, q, {.surface = 1e-40, .step = 1e-25, .below_two = 0.0, .above_zero = 1e-18});
-}
-
-double bound_of_power(double base, double exponent, Direction direction) {
-  return fast_power(base, exponent, direction);
-}
-
-template class SuperquadricBounds<double>;
 
 }  // namespace verisq::verify

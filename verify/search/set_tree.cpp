@@ -214,7 +214,7 @@ void add(std::vector<SetTerm>& terms, const SetTerm& term) {
   terms.push_back(term);
 }
 
-std::vector<SetTerm> intersection(const std::vector<SetTerm>& a, const std::vector<SetTerm>& b) {
+std::vector<SetTerm> terms_of_both(const std::vector<SetTerm>& a, const std::vector<SetTerm>& b) {
   std::vector<SetTerm> result;
   for (const SetTerm& x : a)
     for (const SetTerm& y : b) add(result, {x.inside | y.inside, x.outside | y.outside});
@@ -238,7 +238,7 @@ std::optional<std::vector<SetTerm>> terms_of(const SetNode& tree, std::size_t mo
     } else if (tree.kind == SetNode::Kind::union_of) {
       for (const SetTerm& term : *operand) add(result, term);
     } else {
-      result = intersection(result, *operand);
+      result = terms_of_both(result, *operand);
     }
     if (result.size() > most) return std::nullopt;
   }

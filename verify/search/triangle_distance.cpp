@@ -30,7 +30,7 @@ void offer_closest_points(const Superquadric& solid, const std::array<Proposal, 
 namespace {
 
 /// To binary64 without leaving the triangle.
-Weights rounded(long double first, long double second) {
+Weights rounded_weights(long double first, long double second) {
   Weights weights{static_cast<double>(std::clamp(first, 0.0L, 1.0L)),
                   static_cast<double>(std::clamp(second, 0.0L, 1.0L))};
   double& larger = weights[0] < weights[1] ? weights[1] : weights[0];
@@ -61,7 +61,7 @@ std::optional<Weights> face_point(const Superquadric& solid, const std::array<Pr
   const long double first = dot(normal, cross(from_corner, difference(corners[2], corners[0]))) / squared;
   const long double second = dot(normal, cross(difference(corners[1], corners[0]), from_corner)) / squared;
   if (!(first >= 0.0L && second >= 0.0L && first + second <= 1.0L)) return std::nullopt;
-  return rounded(first, second);
+  return rounded_weights(first, second);
 }
 
 template <class Float>
@@ -174,7 +174,7 @@ class BoundarySearch {
       const Vector upwards = along(second, first, -s);
       return slope(gradient(along(along(corners_[0], second, at), first, s * (1 - at))).vector, upwards);
     });
-    return rounded(closest_at(height) * (1 - height), height);
+    return rounded_weights(closest_at(height) * (1 - height), height);
   }
 
   const Superquadric& solid_;

@@ -126,7 +126,7 @@ struct DistanceModel {
 using Barycentric = std::array<double, 3>;
 
 /// A candidate for the least point.
-struct Place {
+struct PlaceOfLeast {
   Barycentric weights;
   double value;
 };
@@ -228,7 +228,7 @@ LeastPoint least_point(const TriangleFrame& frame, const Piece& piece, const Tri
   std::array<InPlane, 3> places{};
   for (std::size_t i = 0; i < 3; ++i) places[i] = less(frame.place(corners[i]), here);
   const DistanceModel model{frame.part_in_plane(about.direction), curvature};
-  Place best{{1.0, 0.0, 0.0}, infinity};
+  PlaceOfLeast best{{1.0, 0.0, 0.0}, infinity};
   const auto offer = [&](const Barycentric& b) {
     const double value = model(at(places, b));
     if (value < best.value) best = {b, value};
