@@ -129,7 +129,7 @@ Mesh folded_and_crossing_in_corner() {
   convex.vertices[3] = {1, 1.25, -1};
   Mesh leaning = tetrahedron();
   leaning.vertices = {{0, 0, 0}, {1, -0.5, 0.25}, {0.25, 1, 0.25}, {0.25, 0.375, 1}};
-  return join(join(flat, moved(convex, 1.0, {2, 0, 0})), join(tetrahedron(), leaning));
+  return join(join(flat, moved(convex, 1.0, {2, 0, 0})), join(tetrahedron(), moved(leaning, 3.0, {})));
 }
 
 /// Around a circle, but the cross section is an eight.

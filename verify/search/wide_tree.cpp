@@ -135,13 +135,15 @@ class WideTree::Search {
   }
 
   [[gnu::always_inline]] void run(std::optional<std::uint32_t> hint) {
-    if (hint) look_at(tree_.place_of_[*hint]);
-    hinted_ = hint ? tree_.place_of_[*hint] : no_place;
+    if (hint) {
+      hinted_ = tree_.leaf_of_[tree_.place_of_[*hint]] | leaf_bit;
+      look_at(tree_.leaves_[hinted_ & ~leaf_bit]);
+    }
     size_ = 0;
-    open_[size_++] = {Number(0), 0};
+    divide(tree_.nodes_[0]);
     while (size_ > 0) {
       const Open next = open_[--size_];
-      if (next.square > limit_) continue;
+      if (next.square > limit_ || next.child == hinted_) continue;
       if ((next.child & leaf_bit) != 0) {
         look_at(tree_.leaves_[next.child & ~leaf_bit]);
       } else {
@@ -160,7 +162,6 @@ class WideTree::Search {
     std::uint32_t child;
   };
 
-  static constexpr std::uint32_t no_place = ~0U;
   /// Empty places of nodes are farther, everything else is nearer.
   static constexpr Number beyond_all = Number(0x1p110F);
 
@@ -173,12 +174,13 @@ class WideTree::Search {
     }
     std::array<Number, width> squares;
     std::memcpy(squares.data(), &square, sizeof square);
+    // The nearest child comes next, the others in no order: most of them are passed over then.
     const std::size_t base = size_;
     for (unsigned near = bits_of(square <= limit_lanes()); near != 0; near &= near - 1) {
       const auto lane = static_cast<unsigned>(__builtin_ctz(near));
-      std::size_t place = size_++;
-      for (; place > base && open_[place - 1].square < squares[lane]; --place) open_[place] = open_[place - 1];
-      open_[place] = {squares[lane], node.child[lane]};
+      Open added{squares[lane], node.child[lane]};
+      if (size_ > base && open_[size_ - 1].square < added.square) std::swap(open_[size_ - 1], added);
+      open_[size_++] = added;
     }
   }
 
@@ -252,7 +254,6 @@ class WideTree::Search {
   }
 
   void look_at(std::uint32_t place) {
-    if (place == hinted_) return;
     const DistanceBounds bounds = distance_bounds(point_, tree_.triangles_[place]);
     if (bounds.lower > found_.distance.hi) return;
     if (bounds.upper < found_.distance.hi) {
@@ -296,7 +297,7 @@ class WideTree::Search {
   double slack_ = 0.0;
   double dropped_ = infinity;
   Number limit_ = beyond_all;
-  std::uint32_t hinted_ = no_place;
+  std::uint32_t hinted_ = 0;  ///< the leaf that was looked at before; 0 is the root
   std::size_t size_ = 0;
   std::array<Open, most_open> open_;
 };
@@ -313,11 +314,10 @@ void WideTree::search_far(const Point& point, std::optional<std::uint32_t> hint,
 
 /// The mesh is within 2 √3 scaled units of the corner of its box, which is at least 2^46 - 2 of them away: 2^-44.
 /// Differences and length round by less than 2^-49. A length beyond binary64 is at least its largest component.
-WideTree::Nearest WideTree::nearest_from_afar(const Point& point) const {
+void WideTree::see_from_afar(const Point& point, Nearest& found) const {
   const Point way{lower_[0] - point[0], lower_[1] - point[1], lower_[2] - point[2]};
   const double about = length(way[0], way[1], way[2]);
   const double margin = about * 0x1p-43;
-  Nearest found;
   found.distance = {std::isfinite(about) ? subtract(about, margin, Direction::down) : largest_coordinate(way) / 2,
                     add(about, margin, Direction::up)};
   found.triangle = number_of_.front();
@@ -325,18 +325,18 @@ WideTree::Nearest WideTree::nearest_from_afar(const Point& point) const {
   found.way = {corner[0] - point[0], corner[1] - point[1], corner[2] - point[2]};
   found.count = 0;
   found.complete = false;
-  return found;
 }
 
 WideTree::Nearest WideTree::nearest(const Point& point, std::optional<std::uint32_t> hint) const {
   constexpr double near = 16.0;  // sizes: so far binary32 tells triangles apart
   const double place = largest_coordinate(scaled(point));
-  if (!(place <= farthest)) return nearest_from_afar(point);
   Nearest found;
   if (place <= near) {
     search_near(point, hint, found);
-  } else {
+  } else if (place <= farthest) {
     search_far(point, hint, found);
+  } else {
+    see_from_afar(point, found);
   }
   return found;
 }

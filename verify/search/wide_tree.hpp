@@ -93,7 +93,7 @@ class WideTree {
   template <class Visit>
   void visit(const std::array<float, 3>& lower, const std::array<float, 3>& upper, const Visit& leaf) const;
   [[nodiscard]] std::array<double, 3> scaled(const Point& point) const;
-  [[nodiscard]] Nearest nearest_from_afar(const Point& point) const;
+  void see_from_afar(const Point& point, Nearest& found) const;
 
   Point lower_{};
   Point upper_{};
@@ -102,6 +102,7 @@ class WideTree {
   std::vector<Triangle> triangles_;       ///< in the order of the tree
   std::vector<std::uint32_t> number_of_;  ///< by place
   std::vector<std::uint32_t> place_of_;   ///< by number
+  std::vector<std::uint32_t> leaf_of_;    ///< by place
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
 };

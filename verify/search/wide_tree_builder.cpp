@@ -180,6 +180,7 @@ class WideTree::Builder {
         for (std::size_t i = 0; i < 3; ++i) leaf.corner[k][i][lane] = static_cast<float>(place[i]);
       }
     }
+    tree_.leaf_of_.insert(tree_.leaf_of_.end(), items.size(), static_cast<std::uint32_t>(tree_.leaves_.size()));
     tree_.leaves_.push_back(leaf);
     return static_cast<std::uint32_t>(tree_.leaves_.size() - 1) | leaf_bit;
   }
