@@ -39,10 +39,11 @@ struct Fault {
 /// Throws Error(input), "PLACE = VALUE: WHAT".
 void require_valid(const UncertainModel& model);
 
-/// Likewise of a point that has a number which is not finite.
+/// Throws the same error for a point with a number that is not finite.
 void require_finite(const Point& point, const std::string& name);
 
-/// Likewise of a motion, which `name` tells apart: a number that is not finite, a quaternion of zeros.
+/// Throws the same error for a motion with a number that is not finite or a quaternion of zeros. `name` names the
+/// motion in the message.
 void require_valid(const Pose& pose, const std::string& name);
 
 }  // namespace verisq::verify
