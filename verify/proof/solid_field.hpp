@@ -59,7 +59,6 @@ class RangeOfPoses {
   [[nodiscard]] const PreciseMatrix& start_rotation() const { return start_rotation_; }
   [[nodiscard]] const IntervalVector& start_centre() const { return start_centre_; }  ///< R0 c + t
   [[nodiscard]] double end(std::size_t direction) const { return ends_[direction]; }  ///< of |parameter|, rounded up
-                                                                                      ///< |parameter|, rounded up
 
  private:
   PreciseMatrix start_rotation_;
