@@ -310,7 +310,7 @@ class NormFunction {
     if constexpr (is_interval<Number>) {
       return exact(e);
     } else {
-      // As near to 2 as the digits of t^(e / (2 - e)) allow.
+      // The largest value below 2 for which t^(e / (2 - e)) still has enough digits.
       constexpr double largest = std::is_floating_point_v<Number> ? 2.0 - 1e-7 : 2.0 - 0x1p-52;
       return exact(std::clamp(e, 1e-9, largest));
     }

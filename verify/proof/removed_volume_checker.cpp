@@ -261,7 +261,7 @@ struct RemovedVolumeChecker::State {
     return {.triangles = whole.triangles};
   }
 
-  /// What may sweep anything of this cube.
+  /// The primitives that may sweep a part of this cube.
   [[nodiscard]] std::shared_ptr<const SweepingPrimitives> narrowed(const CubeInCase& here,
                                                                    const std::function<bool()>& interrupted) const try {
     SweepingPrimitives result;

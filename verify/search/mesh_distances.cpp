@@ -170,7 +170,7 @@ class MeshSearch::Pieces {
     });
   }
 
-  /// What was proven of a larger piece holds of its parts; but their means are their own.
+  /// Bounds proven for a larger piece are valid for its parts; but the parts' means are their own.
   void bound(Leaf& leaf) const {
     const auto what = [] { return "distances on a triangle and on its part"; };
     const PieceShape shape = shape_of(leaf.piece.corners, displacement_[leaf.piece.triangle]);

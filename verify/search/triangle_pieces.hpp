@@ -53,7 +53,7 @@ class DividedTriangle {
 // The point of a part of a triangle with the least distance to a solid, and the ball that proves a bound. In plain
 // floating point, from the distances of single points. Proves nothing.
 
-/// What is known about the distance near a point of the triangle.
+/// The known distance near a point of the triangle.
 struct Look {
   Point at;
   double distance;
