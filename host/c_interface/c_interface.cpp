@@ -1,4 +1,5 @@
-/// The C interface: each function calls its like of the C++ library, and turns what that throws into a code and a line.
+/// The C interface: each function calls its counterpart of the C++ library, and turns exceptions into a code and a
+/// line.
 #include <verisq/verisq.h>
 
 #include <algorithm>
@@ -50,7 +51,7 @@ verisq_code told(verisq_error* error, verisq_code code, std::string_view message
   return code;
 }
 
-/// What no exception leaves.
+/// Runs the work; no exception leaves this function.
 template <class Work>
 verisq_code answer(verisq_error* error, const Work& work) noexcept {
   try {

@@ -24,8 +24,8 @@ struct Range {
   std::uint32_t last;
 };
 
-/// Letters, digits and signs that print from left to right and take a place: no blanks, no marks that look like the
-/// ones around a quotation, none that change how others print, no letters that are invisible (Hangul's fillers).
+/// Letters, digits and signs that print from left to right and take a place. Excluded are blanks, marks that look like
+/// the ones around a quotation, signs that change how others print, and letters that are invisible (Hangul's fillers).
 constexpr std::array shown_as_they_are{
     Range{0x21, 0x7e},     Range{0xa1, 0xa7},     Range{0xa9, 0xaa},     Range{0xac, 0xac},     Range{0xae, 0xba},
     Range{0xbc, 0x2af},    Range{0x386, 0x3ff},   Range{0x400, 0x482},   Range{0x48a, 0x52f},   Range{0x1e00, 0x1eff},
@@ -86,7 +86,7 @@ struct Piece {
 /// The signs before decide whether a blank or an accent is shown.
 class Shown {
  public:
-  /// `mark`: of the quotation; 0 of a sentence, whose marks and blanks are its own.
+  /// `mark` is that of the quotation; 0 for a sentence, whose marks and blanks are its own.
   explicit Shown(char mark) : mark_(mark) {}
 
   Piece operator()(const Sign& sign, bool is_last) {
@@ -126,8 +126,8 @@ class Shown {
   std::size_t accents_ = 0;
 };
 
-/// Nothing between the ends that can be shown is ever looked at. A column takes at most seven bytes: a letter of
-/// three and two accents.
+/// Nothing between the displayable ends is ever read. A column takes at most seven bytes: a letter of three and two
+/// accents.
 std::string ends_of(std::string_view text, std::size_t longest) {
   const std::size_t kept = 8 * longest;
   if (text.size() <= 2 * kept) return std::string(text);

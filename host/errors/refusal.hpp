@@ -1,4 +1,4 @@
-/// What the caller can correct ends the work in one line, in which texts of others are quoted.
+/// Errors that the caller can correct end the work in one line; foreign texts in it are quoted.
 #pragma once
 
 #include <cstddef>
@@ -9,36 +9,37 @@
 
 namespace verisq {
 
-// Texts of others within the program's own sentences: in quotation marks, on one line, never longer than a name.
+// Foreign texts within the program's own sentences: in quotation marks, on one line, never longer than a name.
 //
 // Files are made by others, and so are names in them and of them. Printed as they stand, a line break or an escape
 // would begin a sentence of its own, blanks would push the truth away, and signs that print from right to left would
 // turn numbers round. Everything that prints such a text, or puts it into a message, calls `quotation`.
 
-/// How many columns a quoted text takes at most, without its marks.
+/// The largest number of columns that a quoted text takes, without its marks.
 constexpr std::size_t longest_quotation = 60;
 
-/// The text between marks, "stem". Only what prints from left to right, in a place of its own, is shown as it is: ASCII
-/// and the letters and digits of Latin, Greek, Cyrillic, Japanese, Chinese and Korean script, with at most two accents
-/// each, and single blanks between them. All else is escaped: \x1b (a byte), \u{202e} (a character), \" and \\. A text
-/// that takes more than `longest_quotation` columns keeps its two ends, with an ellipsis between.
+/// The text between marks, "stem". Only signs that print from left to right, in a place of their own, are shown
+/// unchanged. These are ASCII and the letters and digits of Latin, Greek, Cyrillic, Japanese, Chinese and Korean
+/// script, with at most two accents each, and single blanks between them. All else is escaped: \x1b (a byte), \u{202e}
+/// (a character), \" and \\. A text that takes more than `longest_quotation` columns keeps its two ends, with an
+/// ellipsis between.
 [[nodiscard]] std::string quotation(std::string_view text, char mark = '"');
 
-/// Several, with commas between; at most eight, and how many more there are.
+/// Several texts, with commas between: at most eight, and the number of the others.
 [[nodiscard]] std::string quotation(std::span<const std::string> texts);
 
 /// True where `quotation` shows the text as it is.
 [[nodiscard]] bool is_plain(std::string_view text);
 
-/// A sentence that holds texts of others already, quoted or not: what `quotation` escapes is escaped here, but for
-/// marks, backslashes and blanks, and up to some thousand columns. The last guard before a terminal.
+/// A sentence that contains foreign texts already, quoted or not. All signs that `quotation` escapes are escaped here,
+/// but for marks, backslashes and blanks, and up to some thousand columns. The last guard before a terminal.
 [[nodiscard]] std::string on_one_line(std::string_view sentence);
 
-/// The text behind a number: nothing where units are not said, " mm" where they are units of length, else their text in
-/// quotation marks; " mm^3" of the third power.
+/// The text behind a number: empty if units are not given, " mm" if they are units of length, else their text in
+/// quotation marks; " mm^3" for the third power.
 [[nodiscard]] std::string units_behind(std::string_view units, int power = 1);
 
-// What the caller can correct ends the work in one line.
+// Errors that the caller can correct end the work in one line.
 
 /// Throws Error(input).
 [[noreturn]] inline void refuse(const std::string& message) {

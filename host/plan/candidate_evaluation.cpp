@@ -117,7 +117,7 @@ class PlacedSet {
   using SetNode = verify::SetNode;
   using Side = verify::Side;
 
-  /// Exactly where it lies between the two; else any number on the same side of them, by a box alone.
+  /// Exact if the distance lies between the two; else any number on the same side of them, by a box alone.
   [[nodiscard]] PointDistance distance(const SetNode& set, const Vector3d& p, double above, double below) const {
     switch (set.kind) {
       case SetNode::Kind::leaf: break;
@@ -226,10 +226,10 @@ std::unique_ptr<CandidateEvaluator> host_candidate_evaluator(std::span<const Poi
 namespace {
 
 constexpr double kTolerance = 1e-9;
-/// Of distances that searches find.
+/// The tolerance of searched distances.
 constexpr double kSearchedTolerance = 1e-6;
 
-/// What is wide, by an interruption or at the limits of the methods, stays as it is.
+/// A wide enclosure, by an interruption or at the limits of the methods, leaves `known` unchanged.
 void take_if_narrow(double& known, const Enclosure& found, double tolerance) {
   if (found.width() <= 10.0 * tolerance) known = std::midpoint(found.lo, found.hi);
 }

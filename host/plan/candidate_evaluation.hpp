@@ -1,4 +1,4 @@
-/// Candidates of a fit: the space of poses and sizes, and how well one of them serves.
+/// Candidates of a fit: the space of poses and sizes, and the evaluation of single candidates.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,24 +20,25 @@
 
 namespace verisq::fit_search {
 
-// What a candidate of a fit is worth: distances of the cavity's points to it, and sums of them.
+// The evaluation of a candidate of a fit: distances of the cavity's points to it, and sums of them.
 
-// What the search of a fit asks for: the objective of many candidates at once, and the distances of one.
+// The functions that the search of a fit calls: the objective of many candidates at once, and the distances of one.
 
-/// An implant posed and sized, in the coordinates of the cavity. Rotations are taken about the pivot.
+/// An implant posed and sized, in the coordinates of the cavity. Rotations are about the pivot.
 struct Candidate {
-  std::vector<Primitive> primitives;  ///< as many in each candidate
+  std::vector<Primitive> primitives;  ///< as many in each candidate as in the others
   Point pivot;
   std::shared_ptr<const verify::SetNode> set = {};  ///< of the primitives; nothing: their union
 };
 
-/// F over the points asked for, and how it changes with the candidate, to nearest.
+/// F over the chosen points, and its derivatives by the candidate, to nearest.
 struct Evaluation {
   double objective;
   std::array<double, 6> pose_gradient;  ///< by a translation (x, y, z) and by a rotation vector about the pivot
   std::vector<std::array<double, 3>> size_gradient;  ///< by the semi-axes of each primitive
   double smallest_distance;
-  double objective_bound;  ///< no candidate within the cell of poses around this one has more (but for rounding)
+  double objective_bound;  ///< no candidate within the cell of poses around this one has a larger objective (but for
+                           ///< rounding)
 };
 
 /// The cell of poses around a candidate: translations of the pivot by at most `translation`, rotations about it by at
@@ -49,12 +50,13 @@ struct PoseCell {
 
 /// The signed distance of one point, and its derivatives.
 struct PointDistance {
-  /// To the union; inside, minus the largest depth in a primitive: overlaps are deeper. Of other sets: unions take the
-  /// least of their operands' distances, intersections the greatest, and what is removed counts with its sign turned.
-  /// The sign is that of the set; near its edges it may be farther than that, and deeper, never nearer.
+  /// The distance to the union; inside, minus the largest depth in a primitive: overlaps are deeper. For other sets:
+  /// unions take the least of their operands' distances, intersections the greatest, and a removed operand counts with
+  /// its sign turned. The sign is that of the set. Near the set's edges the exact distance may be larger in magnitude,
+  /// outside and inside, never smaller.
   double distance;
   Point normal;             ///< gradient by the point, a unit vector
-  std::uint32_t primitive;  ///< that decides
+  std::uint32_t primitive;  ///< the primitive that decides
   Point size_gradient;      ///< of the distance by this primitive's semi-axes
 };
 
@@ -70,7 +72,7 @@ class CandidateEvaluator {
   virtual void evaluate(std::span<const Candidate> candidates, const Fitness& fitness, const PoseCell& cell,
                         std::size_t stride, std::vector<Evaluation>& evaluations) = 0;
 
-  /// Of every point.
+  /// The distances of every point.
   virtual void distances(const Candidate& candidate, std::vector<PointDistance>& distances) = 0;
 };
 
@@ -95,52 +97,53 @@ class EvaluationSum {
   Evaluation sum_;
 };
 
-/// How the distance of a point changes with the pose, as in Evaluation::pose_gradient: where the implant moves by τ and
-/// turns by ω, the point moves by -τ - ω x (point - pivot) as seen from the implant.
+/// The change of a point's distance with the pose, as in Evaluation::pose_gradient. If the implant moves by τ and turns
+/// by ω, the point moves by -τ - ω x (point - pivot) as seen from the implant.
 [[nodiscard]] std::array<double, 6> pose_gradient(const Point& point, const Point& pivot, const Point& normal);
 
-// Evaluates candidates on the host alone, for `--device host` and where no device serves.
+// Evaluates candidates on the host alone, for `--device host` and if no device is usable.
 
-/// An evaluator on all processors; the same call gives the same bits again, on any number of them. Precondition: at
-/// least one point, as many weights; finite; weights >= 0.
+/// An evaluator on all processors; the same call gives the same bits again, on any number of processors. Precondition:
+/// at least one point, as many weights; finite; weights >= 0.
 [[nodiscard]] std::unique_ptr<CandidateEvaluator> host_candidate_evaluator(std::span<const Point> points,
                                                                            std::span<const double> weights);
 
-// Depths inside the union of an implant's primitives: in their overlaps it is deeper than each of them. Distances to
-// sets at whose edges the search's are too small.
+// Depths inside the union of an implant's primitives: in their overlaps the union is deeper than each of them.
+// Distances to sets at whose edges the search's distances are too small.
 
 struct UnionDepth {
   double objective;            ///< F
   double deepest_penetration;  ///< >= 0
 };
 
-/// `distances` are the search's of every point to the posed implant; those of points inside are replaced by the
-/// union's, proven to about 1e-9 of the implant's radius. Of bent implants and other sets all points' are, by a map on
-/// `device`, to about 1e-6 of it. `interrupted` is polled by many threads in turn; afterwards the search's distances
-/// stay.
+/// `distances` are the search's distances of every point to the posed implant. For points inside they are replaced by
+/// the union's distances, proven to about 1e-9 of the implant's radius. For bent implants and other sets all distances
+/// are replaced, by a map on `device`, to about 1e-6 of the radius. `interrupted` is polled by many threads in turn;
+/// afterwards the search's distances stay.
 [[nodiscard]] UnionDepth union_depth(const Model& posed, const Cavity& cavity, const Fitness& fitness,
                                      std::span<const PointDistance> distances, const std::string& device,
                                      const std::function<bool()>& interrupted);
 
-// Where a fit searches: what is asked, checked; poses and sizes as parameters; the best candidate so far.
+// The space that a fit searches: its checked problem; poses and sizes as parameters; the best candidate so far.
 
-// Refuses what no search of poses can work with.
+// Refuses problems that no search of poses can solve.
 
 /// Throws Error(input) for an empty cavity, points that are not finite, and numbers out of the ranges that FitOptions
-/// states.
+/// defines.
 void check_fit_problem(const Cavity& cavity, const Fitness& fitness, double penetration_limit, const PoseRange& range);
 
 // The poses and sizes that a fit may choose, as boxes of parameters.
 
 using Parameters = std::vector<double>;
 
-/// Parameters: a translation τ, a rotation vector ω, then every semi-axis that is an interval. With c the centre of the
-/// implant's bounding box (sizes at the middle of their intervals) and the start x -> R0 x + t0, the implant is moved
-/// by
+/// Parameters: a translation τ, a rotation vector ω, then every semi-axis that is an interval. Let c be the centre of
+/// the implant's bounding box (sizes at the middle of their intervals) and x -> R0 x + t0 the start. The implant is
+/// moved by
 ///     x -> exp(ω) R0 (x - c) + (R0 c + t0) + τ.
 class CandidateSpace {
  public:
-  /// Throws Error(input) unless the implant is exact but, of a union of convex primitives, for its semi-axes.
+  /// Throws Error(input) unless the implant is exact. Only the semi-axes of a union of convex primitives may be
+  /// intervals.
   CandidateSpace(const UncertainModel& implant, const PoseRange& range);
 
   [[nodiscard]] const Parameters& lower() const { return lower_; }
@@ -150,17 +153,17 @@ class CandidateSpace {
   /// A change of each parameter that moves the implant's surface by about one model unit.
   [[nodiscard]] const Parameters& units() const { return units_; }
 
-  /// Where the implant's centre is.
+  /// The place of the implant's centre.
   [[nodiscard]] Point pivot(std::span<const double> parameters) const;
   [[nodiscard]] Candidate candidate(std::span<const double> parameters) const;
   [[nodiscard]] Pose pose(std::span<const double> parameters) const;
-  /// From the start, and where its range ends.
+  /// The movement from the start, with the ends of its range.
   [[nodiscard]] FitMovement movement(std::span<const double> parameters) const;
   /// The implant of these sizes in its own frame.
   [[nodiscard]] Model sized(std::span<const double> parameters) const;
-  /// The parameters of the pose, or of the range the nearest to them; sizes at the middle of their intervals.
+  /// The parameters of the pose, or the nearest ones in the range; sizes at the middle of their intervals.
   [[nodiscard]] Parameters nearest(const Pose& pose) const;
-  /// How the six parameters of the pose move the implant.
+  /// The space of the implant's motions by the six parameters of the pose.
   [[nodiscard]] verify::PoseSpace pose_space() const;
 
   /// Derivatives by the parameters from those by the candidate, as in Evaluation.
@@ -171,7 +174,7 @@ class CandidateSpace {
                 std::span<double> row) const;
 
  private:
-  /// A semi-axis that is free.
+  /// A free semi-axis.
   struct Size {
     std::size_t primitive;
     std::size_t axis;
@@ -188,9 +191,9 @@ class CandidateSpace {
   std::shared_ptr<const verify::SetNode> set_;
   std::vector<Size> sizes_;
   Eigen::Quaterniond start_rotation_;
-  Eigen::Vector3d centre_;        ///< of the implant, in its own frame
-  Eigen::Vector3d start_centre_;  ///< where the start puts it
-  double radius_;                 ///< of the bounding box
+  Eigen::Vector3d centre_;        ///< the implant's centre, in its own frame
+  Eigen::Vector3d start_centre_;  ///< the place of the centre in the start pose
+  double radius_;                 ///< radius of the bounding box
   Parameters lower_, upper_, units_;
 };
 
@@ -202,12 +205,12 @@ struct Found {
   double objective;
   double deepest_penetration;  ///< >= 0
   bool within_limit;
-  double broken;       ///< of what is asked besides, as Requirements counts
-  double apart = 0.0;  ///< what is missing of contact
+  double broken;       ///< how far other requirements are broken, as Requirements counts
+  double apart = 0.0;  ///< the missing shares of contact
 };
 
-/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then what misses
-/// less of contact, which is worth no bone; then the larger objective.
+/// Better means, in this order: fewer broken requirements; within the limit; beyond it, the shallower penetration; less
+/// missing contact, which no bone may be sacrificed for; a larger objective.
 [[nodiscard]] inline bool better(const Found& a, const Found& b) {
   if (a.broken != b.broken) return a.broken < b.broken;
   if (a.within_limit != b.within_limit) return a.within_limit;
@@ -219,7 +222,7 @@ struct Found {
 
 class Incumbent {
  public:
-  /// Of equals the earlier stays.
+  /// Of equal candidates the earlier stays.
   void offer(const Found& found) {
     if (!best_ || better(found, *best_)) best_ = found;
   }

@@ -57,7 +57,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kPoseParameters = 6;
-/// In parts of a range: how close to its end a search takes it for reached.
+/// In parts of a range: at this distance from its end a search takes the end as reached.
 constexpr double kAtLimit = 1e-6;
 
 std::array<double, 4> numbers(const Quaterniond& q) {

@@ -32,20 +32,20 @@ using verify::WeightedCell;
 constexpr std::size_t samples_at_a_time = 256;
 constexpr std::size_t bytes_of_divided_triangle = 50;  // of a certificate file, without samples
 constexpr std::size_t bytes_of_told_vertex = 6;
-/// A piece so small is not halved any more: what is left is rounding.
+/// A piece smaller than this is not halved any more: the remaining width is rounding.
 constexpr double smallest_halved = 8.0;  // in displacements
-/// What triangles leave open is made smaller by this where the claims are not reached yet.
+/// The open part of triangles is reduced by this factor while the claims are not reached.
 constexpr double narrower = 0.7;
 constexpr double least_of_width = 1e-3;
 
-/// A triangle or a part of it, with what tells its distances.
+/// A triangle or a part of it, with the data that bound its distances.
 struct TrianglePart {
   TrianglePiece piece;
   WeightedCell cell;
   double radius;
   PieceProof proof = PieceProof::corners;
   CertifiedEnclosure sample = {};  ///< unless corners are enough
-  std::size_t first_half = 0;      ///< of two that follow each other, where it is halved
+  std::size_t first_half = 0;      ///< of two halves that follow each other, if it is halved
 };
 
 class ContactProver {
@@ -83,7 +83,7 @@ class ContactProver {
     }
   }
 
-  /// Of all that was divided. Leaves nothing behind.
+  /// The certificate of all divided parts. Leaves nothing behind.
   [[nodiscard]] ContactCertificate certificate() {
     ContactCertificate certificate{.vertices = std::move(vertices_), .triangles = {}, .surface = {}};
     for (std::uint32_t n = 0; n < mesh_.triangles.size(); ++n) {
@@ -104,7 +104,7 @@ class ContactProver {
     return samples_.at(x, [this] { return interrupted_(); });
   }
 
-  /// As the checker has it.
+  /// The row of a vertex, as the checker computes it.
   [[nodiscard]] Enclosure row(std::uint32_t vertex) const {
     const auto& [own, told_by] = vertices_[vertex];
     if (own) return own->distance;
@@ -153,7 +153,7 @@ class ContactProver {
     return part.cell.weight.hi * (within.hi - within.lo);
   }
 
-  /// By its corners and its centroid.
+  /// Bounds the part by its corners and its centroid.
   void add_centre(TrianglePart& part) const {
     const double off = displacements_[part.piece.triangle];
     const verify::PieceShape shape = shape_of(part.piece);
@@ -173,7 +173,7 @@ class ContactProver {
     if (open_in(convex) < open_in(part)) part = std::move(convex);
   }
 
-  /// From the middle of its longest side to the corner across.
+  /// Halves the part from the middle of its longest side to the corner across.
   [[nodiscard]] std::array<TrianglePart, 2> halve(TrianglePart& part) const {
     const verify::LongestSide side = verify::longest_side(part.piece.corners);
     part.proof = PieceProof::halved;
@@ -183,7 +183,8 @@ class ContactProver {
     return {by_corners(halves[0]), by_corners(halves[1])};
   }
 
-  /// Whether a sample more may tell more of it: smaller pieces are told no better than the samples are known.
+  /// Returns whether one more sample may improve its bounds: smaller pieces are bounded no better than the samples are
+  /// known.
   [[nodiscard]] bool is_open(const TrianglePart& part) const {
     if (part.proof == PieceProof::halved) return false;
     if (part.proof == PieceProof::corners) return true;
@@ -210,9 +211,9 @@ class ContactProver {
     return indices;
   }
 
-  /// Those of which it is least known how much is in contact; returns how near that is to what was found. The claims
-  /// have not only to be as narrow, but to hold what is proven: where they do not it has to be narrower, by
-  /// `share_of_width`.
+  /// Chooses the leaves with the least known share in contact; returns how near the known share is to the found one.
+  /// The claims must not only be as narrow, but also contain the proven enclosure. While they do not, the enclosure
+  /// must be narrower, by `share_of_width`.
   [[nodiscard]] double choose_for(std::span<const std::size_t> leaves, const AreaWithin& found, double& share_of_width,
                                   std::vector<bool>& chosen) const {
     std::vector<WeightedCell> cells;
@@ -228,7 +229,7 @@ class ContactProver {
     }
     const double allowed = found.share.width() * found.area.hi;
     while (share_of_width > least_of_width && open <= share_of_width * allowed) share_of_width *= narrower;
-    // The others leave no more than half of what is allowed.
+    // The others keep no more than half of the allowed width open.
     verify::choose_widest(widths, 2.0 * share_of_width * allowed, chosen);
     return open > 0.0 ? std::min(1.0, share_of_width * allowed / open) : 1.0;
   }
@@ -261,7 +262,7 @@ class ContactProver {
     for (TrianglePart& half : *refined.halves) parts_.push_back(std::move(half));
   }
 
-  /// In preorder.
+  /// Appends the part in preorder.
   void append(TrianglePart& part, TriangleProof& proof) {
     proof.pieces.push_back(part.proof);
     if (part.proof != PieceProof::corners) proof.samples.push_back(std::move(part.sample));
@@ -276,13 +277,13 @@ class ContactProver {
   const SeenInterruption& interrupted_;
   std::vector<VertexProof> vertices_;
   std::vector<double> displacements_;  ///< of each triangle
-  std::vector<Enclosure> areas_;       ///< likewise
+  std::vector<Enclosure> areas_;       ///< for each triangle
   std::vector<TrianglePart> parts_;    ///< all triangles, then halves
   std::vector<double> shares_of_width_;
-  std::size_t bytes_ = 0;  ///< of the file, about
+  std::size_t bytes_ = 0;  ///< size of the file, about
 };
 
-/// One a primitive, where the model's surface is asked about.
+/// One flag for each primitive, if the model's surface is asked for.
 std::vector<bool> counted_of(const Model& model, const ContactAreaOptions& options) {
   if (!options.of_model) return {};
   return options.counted.empty() ? std::vector<bool>(model.primitives.size(), true) : options.counted;
@@ -297,7 +298,7 @@ std::vector<Enclosure> approximate_distances(const Model& model, const Mesh& mes
   return rows;
 }
 
-/// Of the model's own surface, of which as much shall be known as was `found`.
+/// The cover of the model's own surface; its share shall be as narrow as in `found`.
 SurfaceCover cover_of(const Model& model, const Mesh& mesh, const AreaWithin& found, const ContactAreaOptions& options,
                       std::size_t bytes, const SeenInterruption& interrupted) {
   const verify::TriangleTree tree(verify::triangles_of(mesh));
@@ -318,7 +319,7 @@ SurfaceCover cover_of(const Model& model, const Mesh& mesh, const AreaWithin& fo
                          octants_of(model, counted));
 }
 
-/// Both hold the exact values, and so does all between.
+/// Both claims contain the exact values, and so does their hull.
 ContactClaim claim_between(const AreaWithin& found, const AreaWithin& proven) {
   const ContactClaim a = claim_of(found);
   const ContactClaim b = claim_of(proven);

@@ -17,7 +17,7 @@
 namespace verisq {
 namespace {
 
-/// Of a patch's radius: how well the distance of its middle from a boundary has to be known.
+/// Share of a patch's radius: the width to which the distance of its middle from a boundary must be known.
 constexpr double share_of_radius = 0.25;
 
 }  // namespace
@@ -71,7 +71,7 @@ std::optional<std::vector<Normal>> PatchPlacer::away_from(const verify::Patch& p
 }
 
 /// By a point inside and one outside, both at a distance of about the tolerance. Set operations have no other
-/// certificate of points as near to the boundary as rounding is.
+/// certificate for points that lie as near to the boundary as rounding.
 CertifiedEnclosure PatchPlacer::between_both_sides(const Point& x, double tolerance) const {
   CertifiedEnclosure result{{-infinity, infinity}, {}};
   constexpr std::size_t directions = 27;  // -1, 0 and 1 along each axis
@@ -97,7 +97,7 @@ CertifiedPoint PatchPlacer::near_boundary(const Point& x, double tolerance) cons
   return point;
 }
 
-/// In a union what lies within another primitive; a ball in that is proven sooner than one in all of them together.
+/// In a union: by a ball within another primitive; it is proven sooner than a ball in the union of all of them.
 std::optional<CertifiedPoint> PatchPlacer::inside(const verify::Patch& patch, std::size_t other) const {
   const Point& x = patch.sample;
   if (!std::visit([&](const auto& solid) { return solid.contains(x); }, checker_.primitives()[other])) {
@@ -143,9 +143,9 @@ struct Node {
   PatchCell cell;
   PatchPlace place = PatchPlace::open;
   std::optional<PatchHalving> halving = {};
-  std::uint32_t first_half = 0;           ///< of two that follow each other, where it is halved
-  std::optional<CertifiedPoint> by = {};  ///< what proves its place, unless a larger patch's does
-  WeightedCell weighted = {{}, {}, {}};   ///< of one that is neither halved nor off
+  std::uint32_t first_half = 0;           ///< of two halves that follow each other, if it is halved
+  std::optional<CertifiedPoint> by = {};  ///< proves its place, unless the proof of a larger patch does
+  WeightedCell weighted = {{}, {}, {}};   ///< for a patch that is neither halved nor off
 };
 
 class CoverProver {
@@ -158,7 +158,7 @@ class CoverProver {
 
   SurfaceCover operator()(SurfaceCover begun) {
     begin(std::move(begun));
-    // A generation may double what there is.
+    // A generation may double the size.
     while (!request_.interrupted() && 2 * bytes_ < request_.bytes && 2 * nodes_.size() < most_patches) {
       const std::vector<std::uint32_t> chosen = choose();
       if (chosen.empty()) break;
@@ -228,7 +228,7 @@ class CoverProver {
     return halves;
   }
 
-  /// Where they lie, and how far away they are.
+  /// Determines the places and the distances of the patches.
   void place(const std::vector<std::uint32_t>& generation) {
     for (const std::uint32_t n : generation) surfaces_[nodes_[n].cell.primitive].prepare(nodes_[n].cell);
     in_parallel_steps(
@@ -283,7 +283,7 @@ class CoverProver {
     place(halves_of(chosen));
   }
 
-  /// In preorder.
+  /// The cover in preorder.
   [[nodiscard]] SurfaceCover cover() {
     SurfaceCover cover;
     cover.patches.resize(surfaces_.size());

@@ -63,7 +63,7 @@ bool CertifiedSamples::is_one_convex(const Point& x, double reach, Certificate& 
 namespace {
 
 constexpr std::size_t octants_of_primitive = 8;
-/// Of how far patches may lie from the mesh: what other checkers, which round otherwise, may need more.
+/// Share of the allowed distance of patches from the mesh: room for other checkers, which round differently.
 constexpr double room_for_rounding = 0x1p-30;
 
 struct OctantProof {
@@ -83,7 +83,8 @@ class SurfaceProver {
         bytes_(bytes),
         interrupted_(interrupted) {}
 
-  /// Of one octant of a primitive. Cut short where it is interrupted, or takes more than so many bytes with the others.
+  /// The proof for one octant of a primitive. Cut short if it is interrupted, or if all proofs together take too many
+  /// bytes.
   [[nodiscard]] OctantProof operator()(std::size_t primitive, std::size_t octant) {
     verify::PatchedSurface surface(primitives_[primitive], static_cast<std::uint32_t>(primitive));
     OctantProof proof;
@@ -107,7 +108,7 @@ class SurfaceProver {
   [[nodiscard]] bool is_too_large() const { return used_ > bytes_ || patches_ >= most_patches; }
 
  private:
-  /// Adds what becomes of the patch, or says how it is halved.
+  /// Adds the result for the patch, or returns how to halve it.
   [[nodiscard]] std::optional<verify::PatchHalving> prove(const verify::PatchedSurface& surface,
                                                           const verify::PatchCell& cell, OctantProof& proof) {
     const verify::Patch patch = surface.patch(cell);
@@ -134,7 +135,7 @@ class SurfaceProver {
   const SeenInterruption& interrupted_;
 };
 
-/// Of each primitive its octants, one after the other.
+/// For each primitive its octants, one after the other.
 SurfaceCover joined(std::vector<OctantProof> proofs) {
   SurfaceCover cover;
   cover.patches.resize(proofs.size() / octants_of_primitive);
@@ -207,7 +208,7 @@ constexpr int most_halvings_for_mean = 4;
 
 constexpr std::size_t bytes_of_triangle = 30;  // of a certificate file, without samples
 
-/// From where to the model.
+/// The statistics of the distances from the mesh to the model.
 const DistanceStatistics& statistics_of(const Deviation& found) {
   return found.from_mesh ? *found.from_mesh : found.of_vertices;
 }
@@ -232,8 +233,8 @@ class DeviationProver {
     return samples_.at(x, [this] { return interrupted_(); });
   }
 
-  /// Leaves samples out that only mean and percentiles need, so that about so many bytes are enough: halvings, and if
-  /// there is no room for all centroids those of triangles that hardly matter.
+  /// Leaves out samples that only mean and percentiles need, so that about `bytes` bytes are enough. These are halvings
+  /// and, if there is no room for all centroids, the centroids of triangles that hardly matter.
   void plan(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, std::size_t bytes) {
     const std::size_t count = mesh.triangles.size();
     counts_for_mean_.assign(count, true);
@@ -266,7 +267,7 @@ class DeviationProver {
   }
 
  private:
-  /// As often as so many bytes allow.
+  /// Halves as often as `bytes` bytes allow.
   void halve_for_mean(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, double bytes) {
     while (halvings_for_mean_ < most_halvings_for_mean) {
       ++halvings_for_mean_;
@@ -276,7 +277,7 @@ class DeviationProver {
     }
   }
 
-  /// Of all triangles, about, by some of them.
+  /// The approximate size for all triangles, by some of them.
   [[nodiscard]] double size_of_samples(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices) const {
     const std::size_t count = mesh.triangles.size();
     const std::size_t step = std::max<std::size_t>(1, count / probes);
@@ -308,7 +309,7 @@ class DeviationProver {
            (!counts_for_mean_[piece.triangle] || distances.mean.width() <= mean_width_);
   }
 
-  /// Where a sample has no tight certificate smaller pieces would not be told better.
+  /// If a sample has no tight certificate, smaller pieces would not be bounded better.
   [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances,
                                   const TriangleProof& proof) const {
     const bool is_tight = piece.at_centre.width() <= 4.0 * samples_.tolerance();
@@ -346,10 +347,10 @@ class DeviationProver {
   }
 
   CertifiedSamples samples_;
-  double largest_;  ///< what no piece need be proven to be farther than
+  double largest_;  ///< no piece need be proven to be nearer than this
   int halvings_for_mean_ = 0;
-  std::vector<bool> counts_for_mean_;  ///< of each triangle
-  double mean_width_ = infinity;       ///< of pieces, as far as that is reached
+  std::vector<bool> counts_for_mean_;  ///< for each triangle
+  double mean_width_ = infinity;       ///< width of the pieces' means, as far as it is reached
   const SeenInterruption& interrupted_;
 };
 
@@ -362,7 +363,7 @@ std::size_t size_of(const SurfaceProof& proof) {
   return size;
 }
 
-/// What is not bounded from above is not told.
+/// Drops a surface whose distance is not bounded from above.
 void leave_out_unbounded_surface(CertifiedDeviation& result) {
   const std::optional<Enclosure>& from_model = result.proven.from_model;
   if (!from_model || std::isfinite(from_model->hi)) return;

@@ -21,9 +21,9 @@
 
 namespace verisq {
 
-// Deviations with what proves them again: certified distances, and those of a model's whole surface.
+// Deviations with their certificates: certified distances, and the distances of a model's whole surface.
 
-// Signed distances with their certificates, as the proofs of triangles need them (docs/mathematics.md §20).
+// Signed distances with their certificates, in the form that the proofs of triangles need (docs/mathematics.md §20).
 
 /// Uses no device. Immutable after construction: safe to call from many threads.
 class CertifiedSamples {
@@ -32,13 +32,13 @@ class CertifiedSamples {
   CertifiedSamples(const Model& model, double tolerance);
 
   [[nodiscard]] double tolerance() const { return tolerance_; }
-  /// Whether the model is one convex primitive.
+  /// Returns whether the model is one convex primitive.
   [[nodiscard]] bool convex() const { return checked_.convex(); }
 
   [[nodiscard]] CertifiedEnclosure at(const Point& x, const std::function<bool()>& interrupted) const;
 
-  /// Whether all of a model of several primitives that is within reach is one of them, and convex; then adds the
-  /// normals that say so, unless the certificate has them.
+  /// For a model of several primitives: returns whether its part within reach is one convex primitive. If so, adds the
+  /// normals that prove it, unless the certificate has them.
   [[nodiscard]] bool is_one_convex(const Point& x, double reach, Certificate& certificate) const;
 
  private:
@@ -49,7 +49,7 @@ class CertifiedSamples {
 
   SignedDistance model_;
   verify::ProvenSamples checked_;
-  std::vector<OnePrimitive> each_;  ///< of a union of several
+  std::vector<OnePrimitive> each_;  ///< for a union of several primitives
   double tolerance_;
 };
 
@@ -60,8 +60,8 @@ struct CertifiedSurface {
   std::string missing;  ///< why there is none; empty where there is one, or it is interrupted
 };
 
-/// Of what `deviation` found with the same arguments, in about so many `bytes` of a file, or nothing. Precondition:
-/// `found.from_model`.
+/// The certificate of the result that `deviation` found with the same arguments, in about `bytes` bytes of a file, or
+/// nothing. Precondition: `found.from_model`.
 [[nodiscard]] CertifiedSurface certified_surface(const Model& model, const Mesh& mesh, const Deviation& found,
                                                  const DeviationOptions& options, std::size_t bytes,
                                                  const SeenInterruption& interrupted,
@@ -80,7 +80,7 @@ struct CertifiedSurface {
   return 80 + size_of(point.signed_distance);
 }
 
-// Finds what proves that a patch of a primitive's surface is part of the model's surface, or is not.
+// Finds the proof that a patch of a primitive's surface is part of the model's surface, or is not.
 
 /// Uses no device. Immutable after construction: safe to call from many threads.
 class PatchPlacer {
@@ -91,7 +91,7 @@ class PatchPlacer {
   /// A point that proves, as a checker has it, that no part of the patch is part of the boundary.
   [[nodiscard]] std::optional<CertifiedPoint> off_boundary(const verify::Patch& patch, std::size_t primitive) const;
 
-  /// One that proves that all of it is.
+  /// A point that proves that all of the patch is on the boundary.
   [[nodiscard]] std::optional<CertifiedPoint> on_boundary(const verify::Patch& patch, std::size_t primitive) const;
 
   /// The signed distance of a point near the boundary.
@@ -109,18 +109,19 @@ class PatchPlacer {
   }
 
   SignedDistance distance_;
-  std::vector<SignedDistance> each_;  ///< of each primitive by itself
+  std::vector<SignedDistance> each_;  ///< for each primitive by itself
   verify::ExactChecker checker_;
   verify::ProvenSamples samples_;
   const SeenInterruption& interrupted_;
 };
 
-// Patches of a model's surface, halved until their areas and distances say enough, with what proves where they lie.
+// Patches of a model's surface, halved until the enclosures of their areas and distances are narrow enough, with the
+// proofs of their places.
 
-/// Marks which of the cells have to be smaller; none where they say enough.
+/// Marks the cells that must be divided; none if they are small enough.
 using CoverGoal = std::function<void(std::span<const verify::WeightedCell> cells, std::vector<bool>& chosen)>;
 
-/// What it refers to must outlive it.
+/// The referenced objects must outlive it.
 struct CoverRequest {
   const Model& model;
   const verify::TriangleTree& triangles;
@@ -128,7 +129,7 @@ struct CoverRequest {
   std::vector<bool> counted;  ///< as `ContactTerms`
   double largest;             ///< no point of the boundary is farther from the triangles
   CoverGoal choose;
-  std::size_t bytes;  ///< of a file, about
+  std::size_t bytes;  ///< size of a file, about
   const SeenInterruption& interrupted;
 };
 

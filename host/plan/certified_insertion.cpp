@@ -1,4 +1,4 @@
-/// A point's way is cut into parts, each as long as one segment beside or before the implant speaks for all of it.
+/// A point's way is cut into parts, each so short that one segment beside or before the implant bounds all of it.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -19,13 +19,13 @@ using verify::Chord;
 using verify::Moment;
 using verify::RigidPath;
 
-/// Of a point: about so many parts a certificate has at most, and so many ways out are looked for, some of which take
-/// hundredths of a second.
+/// Limits for one point: about the number of parts of its certificate, and the number of searches for ways out, some of
+/// which take hundredths of a second.
 constexpr std::size_t most_parts = 512;
 constexpr std::size_t most_ways_out = 96;
-/// Of the tolerance goes to the point at the deepest time, and as much to what is left beyond a way out.
+/// Share of the tolerance for the point at the deepest time, and again for the remainder beyond a way out.
 constexpr double share_of_points = 0.25;
-/// Between which progress is told.
+/// The number of points between two reports of progress.
 constexpr std::size_t points_at_a_time = 256;
 
 Point operator+(const Point& a, const Point& b) {
@@ -64,7 +64,7 @@ class InsertionProver {
     const double upper = verify::add(there.distance.hi, radius, verify::Direction::up);
     const double goal = upper - tolerance_;
     Enclosure proven = prove(point, {goal, upper}, certificate);
-    // That may ask for more than is true; what was found does not.
+    // That goal may be higher than the truth; the found bound is not.
     if (!verified(proven, tolerance_) && found.lo < goal) proven = prove(point, {found.lo, upper}, certificate);
     return {proven, std::move(certificate)};
   }
@@ -72,7 +72,7 @@ class InsertionProver {
  private:
   [[nodiscard]] Moment moment(const Point& point, double time) const { return verify::moment_of(path_, point, time); }
 
-  // Of one point: what is to be shown of each part of its way, those that are shown, how often a way out was asked for.
+  // For one point: the goal of each part of its way, the proven parts, and the number of ways out searched for.
   struct Search {
     const Point& point;
     double goal;
@@ -80,7 +80,8 @@ class InsertionProver {
     std::size_t ways_out = 0;
   };
 
-  // What the certificate proves with parts of which no distance is below the claim, or as near to that as they get.
+  // The enclosure that the certificate proves with parts none of whose distances is below the claim, or as near to it
+  // as possible.
   [[nodiscard]] Enclosure prove(const Point& point, const Enclosure& claim, InsertionCertificate& certificate) const {
     certificate.parts.clear();
     Search search{point, claim.lo, certificate.parts};
@@ -112,13 +113,13 @@ class InsertionProver {
     prove(search, half, end);
   }
 
-  // By the straight way itself, where it is outside.
+  // Proves by the straight way itself, if it is outside.
   [[nodiscard]] ProvenPart beside(const Chord& chord) const {
     return proven_by({chord.begin.place.centre, chord.end.place.centre}, chord);
   }
 
-  // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a
-  // little more than it takes, where another primitive is near.
+  // Proves by that way moved out of the implant: where its middle leaves the implant soonest, by all that the goal
+  // allows; or by a little more than necessary, if another primitive is near.
   [[nodiscard]] ProvenPart before_the_way_out(double goal, const Chord& chord, const Point& centre) const {
     const double slack = share_of_points * tolerance_;
     const CertifiedEnclosure there = points_.certified(
@@ -137,7 +138,7 @@ class InsertionProver {
     return best;
   }
 
-  // By that way beside all of the implant, wherever it is: a bound, if not a tight one.
+  // Proves by that way beside all of the implant, wherever it is: a bound, though not a tight one.
   [[nodiscard]] ProvenPart far_away(const Chord& chord) const {
     const Point& from = implant_.primitives.front().pose.translation;
     const double beyond = 4.0 * bounding_radius(implant_) + length_of(chord.begin.place.centre + (-1.0) * from) +
@@ -149,7 +150,7 @@ class InsertionProver {
     return proven_by({chord.begin.place.centre + step, chord.end.place.centre + step}, chord);
   }
 
-  // From a point inside to one outside, or along the gradient of the distance; zero where nothing is known.
+  // The vector from a point inside to a point outside, or along the gradient of the distance; zero if nothing is known.
   [[nodiscard]] Point way_out_of(const Point& inside, const Certificate& certificate) const {
     if (certificate.escape) return *certificate.escape + (-1.0) * inside;
     if (certificate.normals.empty()) return {};

@@ -26,12 +26,12 @@ class PrismEscape {
   /// Precondition: is_union_of_convex(implant).
   explicit PrismEscape(const Model& implant);
 
-  /// Where points of the prism leave the implant soonest, those of the deepest first; of length 1. None where it seems
-  /// to be clear.
+  /// The directions in which points of the prism leave the implant soonest, those of the deepest points first; of
+  /// length 1. None if the prism seems to be clear.
   [[nodiscard]] std::vector<Point> ways_out(const verify::WayPrism& prism) const;
 
-  /// What may show that the moved prism is clear of all solids; nothing where it does not seem to be. `closely`: by
-  /// about as much as it is.
+  /// A moved cell that may prove that the moved prism is clear of all solids; nothing if it does not seem to be.
+  /// `closely`: by a margin that is about the whole clearance.
   [[nodiscard]] std::optional<MovedCell> moved(const verify::WayPrism& prism, const Point& step, bool closely) const;
 
  private:
@@ -92,7 +92,7 @@ std::vector<Point> samples_of(const MovedPrism& prism) {
   return samples;
 }
 
-/// To few decimals: what is lost is little, and the text is short.
+/// Rounded to few decimals: the loss is small, and the text is short.
 Point short_normal(const Point& v) {
   constexpr double digits = 1e6;
   const double size = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -167,19 +167,20 @@ using verify::PiecesOnWay;
 using verify::WayPiece;
 using verify::WayPrism;
 
-/// Of a triangle, and of all that are divided, about: then what is open is bounded as it is.
+/// Limits of the cells for one triangle, and about for all divided triangles. At the limit, open cells are bounded
+/// without further division.
 constexpr std::size_t most_cells_of_triangle = 6000;
 constexpr std::size_t most_cells_of_all = std::size_t{1} << 18U;
 constexpr std::size_t least_cells_of_triangle = 16;
-/// Of the tolerance may be lost by how far ways leave the straight ones, and by the point that is the deepest.
+/// Shares of the tolerance for the deviation of ways from the straight ones, and for the deepest point.
 constexpr double share_of_bulge = 0.25;
 constexpr double share_of_witness = 0.05;
 /// Steps are rounded to so many decimals of the power of ten above their length.
 constexpr double decimals_of_step = 6.0;
-/// Between which progress is told.
+/// The number of triangles between two reports of progress.
 constexpr std::size_t triangles_at_a_time = 64;
 
-/// As long as `length`, or a little less, and of few decimals.
+/// A vector along `direction` as long as `length`, or a little shorter, with few decimals.
 Point step_along(const Point& direction, double length) {
   const double digits = std::pow(10.0, decimals_of_step - std::ceil(std::log10(length)));
   const double shortened = length - 2.0 / digits;
@@ -194,7 +195,7 @@ struct Cell {
   WayCell letter = WayCell::by_vertices;
   MovedCell moved = {};
   double lower = -infinity;
-  std::size_t first_part = 0;  ///< of those that it is divided into
+  std::size_t first_part = 0;  ///< index of the first part, if the cell is divided
   Point hint = {};             ///< the way out of the cell that it is a part of; zero without
 };
 
@@ -206,7 +207,7 @@ class TriangleDivision {
     const PrismEscape& escape;
     double goal;
     double tolerance;
-    std::size_t most_cells;  ///< of each triangle
+    std::size_t most_cells;  ///< for each triangle
   };
 
   TriangleDivision(const Terms& terms, const Triangle& whole, const std::array<double, 3>& at_vertices)
@@ -242,7 +243,7 @@ class TriangleDivision {
     return ways;
   }
 
-  /// How far the prism may be moved.
+  /// The length by which the prism may be moved.
   [[nodiscard]] double room(const WayPrism& prism) const {
     const double offset = verify::offset_of(prism, verify::moved(prism, {}));
     return (-terms_.goal - offset) * (1.0 - 0x1p-40);
@@ -255,7 +256,7 @@ class TriangleDivision {
         ways, [&](const Point& way) { return is_proven(cell, prism, step_along(way, length), false); });
   }
 
-  /// Keeps what proves most of the cell.
+  /// Keeps the step that proves the best bound of the cell.
   [[nodiscard]] bool is_proven(Cell& cell, const WayPrism& prism, const Point& step, bool closely) const {
     std::optional<MovedCell> moved = terms_.escape.moved(prism, step, closely);
     if (!moved) return false;
@@ -268,7 +269,7 @@ class TriangleDivision {
     return cell.lower >= terms_.goal;
   }
 
-  /// By ever longer steps, until one proves something.
+  /// Tries ever longer steps, until one proves something.
   void bound_as_it_is(Cell& cell, const WayPrism& prism, const std::vector<Point>& ways) const {
     const Point way = ways.empty() ? Point{1.0, 0.0, 0.0} : ways.front();
     double length = std::max(room(prism), terms_.tolerance);
@@ -332,7 +333,7 @@ class TriangleDivision {
   std::vector<Cell> cells_;
 };
 
-/// Of the point of a triangle nearest to x, about, and for certain of one of its points.
+/// The weights of about the point of a triangle nearest to x, and for certain of some point of it.
 std::array<double, 2> weights_of(const Point& x, const Triangle& triangle) {
   const Point u = verify::difference(triangle[1], triangle[0]);
   const Point v = verify::difference(triangle[2], triangle[0]);
@@ -354,7 +355,7 @@ Point point_with(const Triangle& triangle, const std::array<double, 2>& weights)
   return verify::along(along_first, verify::difference(triangle[2], triangle[0]), weights[1]);
 }
 
-/// The point that was found deepest, at the time when it is, and what it claims to prove.
+/// The deepest point found, at its time, and the upper end that it claims to prove.
 std::pair<WayWitness, double> witness_of(std::span<const Pose> path, const Model& implant, const Mesh& bone,
                                          const MeshClearance& found, const InsertionOptions& options) {
   WayWitness witness{found.deepest.triangle, {}, 0.0, {}};
@@ -371,7 +372,7 @@ std::pair<WayWitness, double> witness_of(std::span<const Pose> path, const Model
   return {std::move(witness), there.distance.hi + 4.0 * radius};
 }
 
-/// Of which the vertices do not prove the goal.
+/// The triangles whose vertices do not prove the goal.
 std::vector<std::uint32_t> open_triangles(const Mesh& bone, std::span<const Enclosure> of_vertices, double goal) {
   std::vector<std::uint32_t> open;
   for (std::uint32_t n = 0; n < bone.triangles.size(); ++n)

@@ -58,18 +58,18 @@ using verify::centre;
 using verify::Direction;
 using verify::displacement;
 
-/// Of the tolerance goes to the samples, the rest to the balls.
+/// Share of the tolerance for the samples; the rest is for the balls.
 constexpr double share_of_samples = 0.25;
-/// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
+/// Share of the depth beyond the limit: the accuracy to which a triangle's deepest point is sought.
 constexpr double share_of_depth = 0.25;
 
 /// Halvings before pieces are bounded by half-spaces: those cost a hundred samples.
 constexpr int halvings_before_half_spaces = 1;
 
-/// Rounds of halving before whole triangles are asked for: about tapered solids they are the host's, a thousand times
-/// slower than points, which leave few of them open by then.
+/// Rounds of halving before the distances of whole triangles are computed. For tapered solids the host computes them, a
+/// thousand times slower than points; by then the points have left few triangles open.
 constexpr int rounds_of_tapered = 6;
-/// Of bends and set operations whole triangles are searched, which takes as long as so many rounds of samples or more.
+/// For bends and set operations whole triangles are searched, which takes as long as so many rounds of samples or more.
 constexpr int rounds_of_searched = 10;
 
 int rounds_before_whole_triangles_of(const Model& model) {
@@ -81,11 +81,11 @@ int rounds_before_whole_triangles_of(const Model& model) {
 struct Piece {
   Triangle corners;
   std::uint32_t triangle;
-  double displacement;     ///< what lies between the corners is no farther from the triangle
-  double thickness = 0.0;  ///< the piece lies no farther than displacement + thickness from what is between the corners
+  double displacement;     ///< no point between the corners is farther from the triangle
+  double thickness = 0.0;  ///< the piece lies no farther than displacement + thickness from the hull of the corners
   int halvings = 0;
-  double bound = -infinity;  ///< no signed distance on it is less
-  bool in_overlap = false;   ///< half-spaces say nothing of it
+  double bound = -infinity;  ///< no signed distance on the piece is less
+  bool in_overlap = false;   ///< half-spaces do not bound it
 };
 
 double distance_up(const Point& a, const Point& b) {
@@ -98,7 +98,8 @@ double distance_up(const Point& a, const Point& b) {
   return verify::square_root(squares, Direction::up);
 }
 
-/// Of the ball about `sample` that holds the exact piece: a ball that holds the corners holds all between them.
+/// The radius of a ball about `sample` that contains the exact piece: a ball that contains the corners contains their
+/// hull.
 double radius_up(const Piece& piece, const Point& sample) {
   double farthest = 0.0;
   for (const Point& corner : piece.corners) farthest = std::max(farthest, distance_up(corner, sample));
@@ -113,7 +114,7 @@ Triangle longest_side_first(const Triangle& corners) {
   return {corners[longest], corners[(longest + 1) % 3], corners[(longest + 2) % 3]};
 }
 
-/// The point of a segment nearest to `apex`, about: it is off the segment by less than 16 u times the largest
+/// About the point of a segment nearest to `apex`. It is off the segment by less than 16 u times the largest
 /// coordinate, less than the displacement.
 Point foot(const Point& apex, const Point& from, const Point& to) {
   double along = 0.0;
@@ -128,7 +129,7 @@ Point foot(const Point& apex, const Point& from, const Point& to) {
   return foot;
 }
 
-/// Halves of a needle lie side by side, more and more of them: a piece no thicker than `thinnest` becomes a segment.
+/// Halves of a needle lie side by side, more and more of them. So a piece no thicker than `thinnest` becomes a segment.
 /// The distance to the longest side is convex and 0 at its ends, hence largest at the third corner.
 Piece without_thinness(const Piece& piece, double thinnest) {
   const auto [from, to, apex] = longest_side_first(piece.corners);
@@ -141,7 +142,7 @@ Piece without_thinness(const Piece& piece, double thinnest) {
   return segment;
 }
 
-/// At the middle of the longest side, so that slivers do not stay slivers.
+/// Halves the piece at the middle of the longest side, so that slivers do not stay slivers.
 std::array<Piece, 2> halves(const Piece& piece) {
   const auto [from, to, apex] = longest_side_first(piece.corners);
   Point middle;
@@ -153,18 +154,17 @@ std::array<Piece, 2> halves(const Piece& piece) {
   return halves;
 }
 
-/// What is known of one triangle.
+/// The known facts about one triangle.
 struct TriangleState {
   double deepest = infinity;  ///< the least upper bound of a sample's distance
   Point deepest_point{};
-  bool unresolved = false;  ///< a piece may lie too deep, but cannot be told
+  bool unresolved = false;  ///< a piece may lie too deep, but this cannot be decided
 };
 
-/// Enclosures of a function of the place that changes by no more than the place moves; those of the first points alone
-/// when interrupted.
+/// Returns enclosures of a 1-Lipschitz function of the place; when interrupted, only those of the first points.
 using Distances = std::function<std::vector<Enclosure>(std::span<const Point>)>;
 
-/// Wide enclosures of samples cost less, but leave more of them to be looked at.
+/// Wide enclosures of samples cost less, but leave more samples to be processed.
 double tolerance_of_samples(const MeshClearanceOptions& options) {
   return share_of_samples * std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance));
 }
@@ -198,7 +198,7 @@ Distances smallest_distances_along(std::span<const Pose> path, const Model& mode
 
 class MeshSearch {
  public:
-  /// With `deepens`, of each triangle that lies too deep a point is sought that is about its deepest.
+  /// With `deepens`, seeks about the deepest point of each triangle that lies too deep.
   MeshSearch(Distances distances, const Mesh& mesh, const MeshClearanceOptions& options, bool deepens)
       : options_(options),
         mesh_(mesh),
@@ -211,14 +211,13 @@ class MeshSearch {
     }
   }
 
-  /// Whole triangles, too, bound what they hold: where `distances` are those to the model, which must outlive the
-  /// search.
+  /// Uses bounds of whole triangles, too, if `distances` are those to the model, which must outlive the search.
   void use_whole_triangles(const Model& model) {
     whole_triangles_of_ = &model;
     rounds_before_whole_triangles_ = rounds_before_whole_triangles_of(model);
   }
 
-  /// Of unions of convex primitives half-spaces, too, bound what pieces hold.
+  /// Uses bounds of half-spaces, too, for unions of convex primitives.
   void use_half_spaces(const Model& model) {
     if (is_union_of_convex(model)) half_spaces_.emplace(model);
   }
@@ -244,9 +243,9 @@ class MeshSearch {
   }
 
  private:
-  /// Of triangles that do not meet the solid the distance is the smallest signed one on them, which a certificate for
-  /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one. Returns the former, by
-  /// triangle, and no bound for others.
+  /// If a triangle does not meet the solid, its distance is the smallest signed one on it, which a certificate for the
+  /// whole triangle proves at once. If it meets the solid, the distance is 0, above the smallest signed one. Returns
+  /// the former, by triangle, and no bound for others.
   [[nodiscard]] std::vector<double> distances_of_whole(std::span<const std::uint32_t> triangles) {
     const bool certified = is_union_of_convex(*whole_triangles_of_);
     TriangleMapper mapper(*whole_triangles_of_, {.tolerance = certified ? share_of_samples * options_.tolerance
@@ -267,7 +266,7 @@ class MeshSearch {
     return bounds;
   }
 
-  /// What is said of a whole triangle holds on its pieces.
+  /// Bounds of a whole triangle are valid on its pieces.
   void bound_triangles_with_open_pieces() {
     std::vector<std::uint32_t> triangles;
     for (const Piece& piece : open_) triangles.push_back(piece.triangle);
@@ -282,7 +281,7 @@ class MeshSearch {
     return triangles_[triangle].deepest < -options_.penetration_limit;
   }
 
-  /// Bounds every open piece by the distance of its centre; when interrupted, the first of them.
+  /// Bounds every open piece by the distance of its centre; when interrupted, only the first of them.
   void sample() {
     std::vector<Point> samples;
     for (const Piece& piece : open_) samples.push_back(centre(piece.corners));
@@ -376,7 +375,7 @@ class MeshSearch {
     found_.smallest_distance = verify::between(lo, smallest_hi_, [] { return "the smallest distance of the mesh"; });
   }
 
-  /// Half of what a piece that is not worth halving may lie away from its sample.
+  /// Half the largest distance from its sample of a piece that is not worth halving.
   [[nodiscard]] double thinnest() const {
     return 0.5 * share_of_samples * std::min(options_.tolerance, options_.limit_tolerance.value_or(options_.tolerance));
   }
@@ -392,12 +391,12 @@ class MeshSearch {
   bool deepens_;
   bool proves_ = true;
   const Model* whole_triangles_of_ = nullptr;
-  std::optional<int> rounds_before_whole_triangles_;  ///< none where they have been asked for, or cannot be
+  std::optional<int> rounds_before_whole_triangles_;  ///< none if whole triangles have been used, or cannot be
   std::optional<verify::HalfSpaceBound> half_spaces_;
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
-  double settled_lo_ = infinity;   ///< of all pieces that are not open any more
-  double smallest_hi_ = infinity;  ///< of all samples
+  double settled_lo_ = infinity;   ///< least bound of all pieces that are not open any more
+  double smallest_hi_ = infinity;  ///< least upper end of all samples
   MeshClearance found_{};
 };
 

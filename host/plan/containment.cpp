@@ -22,7 +22,8 @@
 namespace verisq {
 namespace {
 
-/// Of the primitive's bounding radius: how narrow distances are asked for. Those to convex solids are told at once.
+/// Share of the primitive's bounding radius: the required width of distances. Distances to convex solids need no
+/// search.
 constexpr double finest = 1e-9;
 constexpr double finest_of_bent = 1e-5;
 

@@ -22,7 +22,7 @@ using Eigen::Array3d;
 using Eigen::Vector3d;
 
 constexpr verify::InnerWalkLimits kWalks{.steady_direction = 1e-7, .most_walks = 60};
-/// Of the semi-axes: of the proof that serves where Newton's method does not.
+/// Share of the semi-axes: the tolerance of the proof that replaces Newton's method if that fails.
 constexpr double kProofTolerance = 1e-9;
 
 }  // namespace
@@ -68,7 +68,7 @@ namespace {
 using Eigen::Array3d;
 using Eigen::Vector3d;
 
-// The numbers are those of kernels/proposal.clh and kernels/tapered_enclosure.clh, which say why.
+// The numbers are those of kernels/proposal.clh and kernels/tapered_enclosure.clh, which give the reasons.
 constexpr double kSmallest = 1e-60;
 constexpr double kFarLogGauge = 0.05;
 constexpr double kBoxExponent = 4.0;
@@ -90,7 +90,7 @@ double away_from_zero(double derivative) {
 
 }  // namespace
 
-/// As seen from the side of the widest section that the closest point is taken to lie on.
+/// The query as seen from the side of the widest section on which the closest point is assumed to lie.
 struct TaperedNewton::Query {
   Array3d point;  ///< z is signed
   Array3d logs;   ///< of magnitudes
@@ -146,8 +146,8 @@ std::optional<double> TaperedNewton::height_on_wall(const Query& q) const {
   return std::min(highest, std::log(height));
 }
 
-/// On the ray to q, cut off at the semi-axes first where the solid is much like a box; λ by least squares of u + λ n =
-/// q.
+/// The start on the ray to q; if the solid is much like a box, q is first cut off at the semi-axes. λ by least squares
+/// of u + λ n = q.
 TaperedNewton::Unknowns TaperedNewton::start_untapered(const Array3d& q, const Array3d& log_q) const {
   Array3d cut = log_q - log_axes_;
   if (cut.maxCoeff() > kFarLogGauge) {
@@ -280,9 +280,10 @@ using Eigen::Vector3d;
 
 constexpr double kSteadyNormal = 1e-8;
 constexpr int kMostFocalRounds = 40;
-/// Of Newton's equations: nearer to a centre of curvature planes lead on alone.
+/// Of Newton's equations: nearer to a centre of curvature planes alone continue the search.
 constexpr double kLeastDeterminant = 1e-3;
-/// Of the size: how near a point outside is to the closest point's normal. The distance is off by about its square.
+/// Share of the size: the allowed distance of a point outside from the closest point's normal. The distance is off by
+/// about its square.
 constexpr double kOffNormal = 1e-7;
 /// Beyond, Newton's method often fails. A smaller exponent gives a larger solid: penetrations are overestimated.
 constexpr double kLargestExponent = 1.95;
@@ -305,12 +306,12 @@ Vector3d tangential_part(const Vector3d& a, const Vector3d& unit_normal) {
 
 /// A tangent plane.
 struct TaperedProjection::Plane {
-  double distance;  ///< of q, negative inside
+  double distance;  ///< signed distance of q, negative inside
   Vector3d normal;  ///< of length 1
   double inverse_length;
 };
 
-/// And where it touches the solid: at M u.
+/// The plane and the point where it touches the solid: M u.
 struct TaperedProjection::BoundaryPlane {
   Plane plane;
   Array3d u;  ///< logarithms of |coordinates| in units of the semi-axes
@@ -405,7 +406,7 @@ TaperedProjection::BoundaryPlane TaperedProjection::nearest_plane(const Plane& f
   return nearest;
 }
 
-/// Whether the plane touches the solid where q, outside, is closest.
+/// Returns whether the plane touches the solid at the point closest to q, which is outside.
 bool TaperedProjection::closest(const BoundaryPlane& at, const Vector3d& q) const {
   return tangential_part(q - at.point, at.plane.normal).norm() <= kOffNormal * axes_.maxCoeff();
 }

@@ -30,8 +30,8 @@ struct Projection {
   return -normal.cwiseProduct(nearest).cwiseQuotient(Eigen::Vector3d(a, b, c));
 }
 
-/// Outside by Newton's method on the optimality conditions; inside by walking along the normal of the surface where the
-/// last walk ended, which never lengthens the way and stops at a locally shortest one. Where Newton's method does not
+/// Outside by Newton's method on the optimality conditions. Inside by walks along the surface normal at the point where
+/// the last walk ended; this never lengthens the way and stops at a locally shortest one. If Newton's method does not
 /// converge, the host's proof takes its place. Proves nothing.
 class SuperquadricProjection {
  public:
@@ -39,7 +39,7 @@ class SuperquadricProjection {
 
   [[nodiscard]] Projection operator()(const Eigen::Vector3d& q) const;
 
-  /// Not more than the signed distance: that to the solid's box.
+  /// A lower bound of the signed distance: the distance to the solid's box.
   [[nodiscard]] double lower_bound(const Eigen::Vector3d& q) const;
 
  private:
@@ -71,8 +71,8 @@ struct LogSum {
 
 // The point of a tapered superquadric closest to a point outside: Newton's method in logarithms.
 
-/// Solves in binary64 what kernels/tapered_enclosure.clh solves in binary32, the optimality conditions of
-/// docs/mathematics.md §18. About the focus the closest point is M u with u on the untapered surface.
+/// Solves, in binary64, the optimality conditions of docs/mathematics.md §18, which kernels/tapered_enclosure.clh
+/// solves in binary32. About the focus the closest point is M u with u on the untapered surface.
 class TaperedNewton {
  public:
   /// Precondition: exponents below 2.
@@ -103,18 +103,18 @@ class TaperedNewton {
 
 // The signed distance of a point to one tapered superquadric in plain binary64, as searches for poses need it.
 
-/// As SuperquadricProjection, of a tapered solid (docs/mathematics.md §18): by tangent planes that come ever nearer to
-/// the point, as kernels/tapered_distance_gradient.clh has them. Where they do not lead to the closest point of one
-/// outside, the host's search for contacts takes their place; inside they stop at a locally shortest way. Proves
+/// Like SuperquadricProjection, for a tapered solid (docs/mathematics.md §18): by tangent planes that come ever nearer
+/// to the point, as in kernels/tapered_distance_gradient.clh. If they do not lead to the closest point of a point
+/// outside, the host's search for contacts takes their place. Inside they stop at a locally shortest way. Proves
 /// nothing.
 class TaperedProjection {
  public:
   explicit TaperedProjection(const Superquadric& solid);
 
-  /// The size's derivatives are as of an untapered solid: the taper scales as the semi-axes do.
+  /// The derivatives by the sizes are those of an untapered solid: the taper scales as the semi-axes do.
   [[nodiscard]] Projection operator()(const Eigen::Vector3d& q) const;
 
-  /// Not more than the signed distance: that to a box.
+  /// A lower bound of the signed distance: the distance to a box.
   [[nodiscard]] double lower_bound(const Eigen::Vector3d& q) const;
 
  private:

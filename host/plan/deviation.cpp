@@ -55,22 +55,22 @@ void check_regions(const Mesh& mesh, std::span<const std::uint32_t> region_of, s
 
 namespace {
 
-/// More than what roundings make of it.
+/// More than the roundings.
 constexpr double share_of_roundings = 1e-9;
 
-/// What has to be known of a vertex's distance for all of its triangles.
+/// The required accuracy of a vertex's distance for all of its triangles.
 struct NeededDistance {
-  double farther = 0.0;      ///< it is enough to know that it is more
-  double nearer = infinity;  ///< or less
+  double farther = 0.0;      ///< it is enough to prove that the distance is more than this
+  double nearer = infinity;  ///< or less than this
   double shortest_side = infinity;
-  bool exactly = false;  ///< none of both is enough
+  bool exactly = false;  ///< neither is enough
 };
 
 double length_between(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// As `verify::distances_on` bounds a piece by its corners alone.
+/// By the bounds of `verify::distances_on` for a piece, by its corners alone.
 NeededDistance need_of(const Triangle& corners, const std::array<Enclosure, 3>& distances, double distance) {
   const verify::PieceShape shape = verify::shape_of(corners, verify::displacement(corners));
   NeededDistance need{.farther = std::hypot(distance, shape.radius) * (1.0 + share_of_roundings),
@@ -98,7 +98,7 @@ std::vector<NeededDistance> needs_of(const Mesh& mesh, std::span<const Enclosure
   return needs;
 }
 
-/// How far the way to another vertex may be that is told, at most.
+/// The largest distance to another vertex that this one's distance can bound.
 double reach_of_teller(const Enclosure& known, double distance) {
   return std::max(known.lo - distance, distance - known.hi);
 }
@@ -186,7 +186,7 @@ class DeviationRun {
     return options_.interrupted() || (options_.out_of_time && options_.out_of_time());
   }
 
-  /// Where each distance is searched for, a coarse map says first how close it need be.
+  /// If each distance is searched for, a coarse map first determines the required accuracy.
   [[nodiscard]] double tolerance_of_vertices() const {
     if (is_union_of_convex(model_)) return finest();
     const double coarse = std::min(coarse_share * radius_, std::numeric_limits<double>::max());
@@ -201,7 +201,7 @@ class DeviationRun {
     rows_.assign(mesh_.vertices.size(), {-infinity, infinity});
     std::vector<Status> status(rows_.size(), Status::wide);
     found_.map = to_model.map(mesh_.vertices, rows_, status);
-    // What an interrupted map leaves is not specified.
+    // The rows that an interrupted map leaves are unspecified.
     for (std::size_t i = found_.map.points; i < rows_.size(); ++i) rows_[i] = {-infinity, infinity};
     std::vector<verify::WeightedCell> cells;
     DistanceStatistics& statistics = found_.of_vertices;
@@ -220,7 +220,7 @@ class DeviationRun {
     }
   }
 
-  /// Convex solids are told tightly at once; others are searched, and no closer than what is asked for needs.
+  /// Convex solids give tight distances at once; for others distances are searched, no closer than the request needs.
   [[nodiscard]] verify::DeviationSearch search_by(const MappedDistances& to_model) const {
     verify::DeviationSearch search{.to_model = to_model,
                                    .convex = verify::is_one_convex_primitive(model_),
@@ -316,7 +316,7 @@ class DeviationRun {
   Deviation found_{};
 };
 
-/// Nothing where that is not exact.
+/// Nothing if scaling is not exact.
 std::optional<Mesh> in_units(const Mesh& mesh, double unit) {
   Mesh scaled{{}, mesh.triangles};
   for (const Point& vertex : mesh.vertices) {
@@ -406,7 +406,7 @@ ContactAreas contact_areas(const Model& model, const Mesh& mesh, const ContactAr
   const MappedDistances to_model(
       model, {.tolerance = contact_tolerance(model), .device = options.device, .interrupted = options.interrupted});
   std::vector<Enclosure> at_vertices(mesh.vertices.size(), {-infinity, infinity});
-  // What an interrupted map leaves is not specified.
+  // The rows that an interrupted map leaves are unspecified.
   if (!to_model(mesh.vertices, at_vertices)) at_vertices.assign(mesh.vertices.size(), {-infinity, infinity});
   const verify::DeviationSearch search = search_of(model, to_model, options);
   verify::MeshSearch of_mesh(mesh, at_vertices, search, {options.region_of, options.regions});

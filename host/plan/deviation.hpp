@@ -1,4 +1,4 @@
-/// How far a mesh and a model's surface lie apart, and areas in contact: distances, how tight, of which vertices.
+/// The deviation of a mesh from a model's surface, and areas in contact: distances, allowed widths, the vertices used.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,22 @@
 
 namespace verisq {
 
-// How wide the enclosures of a deviation may be.
+// The allowed widths of the enclosures of a deviation.
 
-/// Of the bounding radius: no narrower enclosure is ever asked of a result.
+/// Share of the bounding radius: no narrower enclosure of a result is ever required.
 inline constexpr double finest_share = 1e-6;
-/// Of the width allowed: how wide samples may be where tight ones are searched for.
+/// Share of the allowed width: the allowed width of samples, if tight ones are searched for.
 inline constexpr double share_of_samples = 0.05;
 
-/// Of one with this size, of a model of this bounding radius.
+/// The allowed width of an enclosure with this size, for a model of this bounding radius.
 [[nodiscard]] inline double allowed_width(double size, const DeviationOptions& options, double bounding_radius) {
   if (options.tolerance) return *options.tolerance;
   return std::max(options.relative_tolerance * size, finest_share * bounding_radius);
 }
 
-// How well distances have to be known that say what is in contact.
+// The required accuracy of distances that decide what is in contact.
 
-/// Finer for solids that are told at once.
+/// Finer for solids whose distances need no search.
 [[nodiscard]] inline double contact_tolerance(const Model& model) {
   constexpr double fine = 1e-6;  // of the bounding radius
   constexpr double coarse = 1e-3;
@@ -42,17 +42,16 @@ inline constexpr double share_of_samples = 0.05;
   return std::min(share * bounding_radius(model), std::numeric_limits<double>::max());
 }
 
-// Whether a mesh and the regions of its triangles are what the searches of deviations ask for.
+// Checks of a mesh and the regions of its triangles, for the searches of deviations.
 
-/// Throws Error(input) for a mesh without vertices, coordinates that are not finite, and triangles that name vertices
-/// which are not there.
+/// Throws Error(input) for a mesh without vertices, coordinates that are not finite, and triangles that name missing
+/// vertices.
 void check_mesh(const Mesh& mesh);
 
-/// Throws Error(input) unless there is a region of each triangle, below their number; where that is 0 none are asked
-/// for.
+/// Throws Error(input) unless each triangle has a region, below `regions`; if that is 0, there are no regions.
 void check_regions(const Mesh& mesh, std::span<const std::uint32_t> region_of, std::uint32_t regions);
 
-// Maps as the source of signed distances that the searches of deviations ask.
+// Maps as the source of signed distances for the searches of deviations.
 
 /// A mapper as a source of enclosures.
 class MappedDistances {
@@ -81,12 +80,12 @@ class MappedDistances {
   std::function<bool()> out_of_time_;
 };
 
-// Which vertices of a mesh tell enough of others to say what is in contact.
+// The vertices of a mesh that bound others well enough to decide what is in contact.
 
-/// Of each vertex the one by which it is told: whatever its distance is, |d(v) - d(w)| <= |v - w|. Itself where that
-/// would not be enough to say of all of its triangles that they are farther than `distance`, or that they are not.
-/// `rows`: signed distances of the vertices, which may be unbounded; those that prove it later may be off by
-/// `tolerance`. Nothing is proven by this. Precondition: finite coordinates, triangles of vertices that are there.
+/// For each vertex: the vertex whose certificate also bounds it, because |d(v) - d(w)| <= |v - w|. It is the vertex
+/// itself if that bound could not prove of all of its triangles that they are farther than `distance`, or that they are
+/// not. `rows` are signed distances of the vertices, which may be unbounded; the distances proven later may be off by
+/// `tolerance`. This proves nothing. Precondition: finite coordinates, triangles of existing vertices.
 [[nodiscard]] std::vector<std::uint32_t> tellers(const Mesh& mesh, std::span<const Enclosure> rows, double distance,
                                                  double tolerance);
 

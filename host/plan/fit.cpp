@@ -33,7 +33,8 @@ using namespace fit_search;
 constexpr std::size_t kSampledPoints = 128;
 constexpr std::size_t kClimbedPoints = 384;
 
-/// Graduated optimisation: the scale of the fitness in each round, the starts that take part, what they are climbed by.
+/// Graduated optimisation: the scale of the fitness in each round, the starts that take part, and their stopping
+/// criteria.
 constexpr double kSampledWidening = 16.0;
 struct Round {
   double widening;
@@ -43,20 +44,21 @@ struct Round {
 constexpr std::array kRounds{Round{16.0, 16, {1e-3, 40}}, Round{4.0, 16, {1e-3, 40}}, Round{1.0, 8, {1e-4, 60}}};
 /// Starts that are refined with all points within the limit.
 constexpr std::size_t kFinalists = 4;
-/// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
-/// climb to the same maximum.
+/// In parts of the fitness' scale: poses whose surfaces are about this close are one finalist, and one start. Both
+/// would climb to the same maximum.
 constexpr double kDistinct = 0.1;
-/// Of the steps by which points count as in contact: first as wide as the fitness' scale, then half as wide each time.
+/// Factors of the steps within which points count as in contact: first as wide as the fitness' scale, then half as wide
+/// each time.
 constexpr double kContactWidening = 10.0;
 constexpr double kDistinctStarts = 0.25;
-/// Added between the points for them: they tell most poses that cut the surface from those that do not.
+/// Points added between the cavity's points: they distinguish most poses that cut the surface from those that do not.
 constexpr std::size_t kSurfacePoints = 4096;
 /// Shares of the work on an implant, when sampling and the rounds are done.
 constexpr double kSampled = 0.3;
 constexpr double kClimbed = 0.7;
 /// Times that the search's limit is lowered because bone lies deeper in an overlap than in any primitive.
 constexpr int kMostSettlings = 5;
-/// Of what the limit is lowered to.
+/// Factor of the lowered limit.
 constexpr double kSettlingMargin = 0.98;
 
 void require(bool holds, std::string_view message) {
@@ -109,26 +111,26 @@ void check_sides(std::span<const UncertainModel> series, const Cavity& cavity, c
   check_surface_has_sides({cavity.points, cavity.triangles});
 }
 
-/// Nothing where the implants may be anywhere.
+/// Nothing if the implants may be anywhere.
 std::optional<InsideTest> inside_test(const Cavity& cavity, const FitOptions& options) {
   if (options.sides.empty()) return std::nullopt;
   return InsideTest({cavity.points, cavity.triangles});
 }
 
-/// Nothing stands for the host.
+/// An empty selection means the host.
 device::Selection selected(const FitOptions& options) {
   if (options.device == "host") return {};
   return device::select_device(options.device, either(options.interrupted, options.out_of_time));
 }
 
-/// Kernels evaluate unions of convex primitives; of others a device maps what is found.
+/// Kernels evaluate unions of convex primitives; for others a device maps the found pose.
 bool kernels_evaluate(std::span<const UncertainModel> series) {
   return std::ranges::all_of(
       series, [](const UncertainModel& implant) { return is_union_of_convex(bracket(implant).largest); });
 }
 
-/// An evaluator of the points whose kernels are compiled. Nothing, and no device, where the search is to end first: the
-/// host then evaluates what is still asked for.
+/// An evaluator of the points whose kernels are compiled. Nothing, and no device, if the search is to end first: the
+/// host then computes the remaining evaluations.
 std::unique_ptr<CandidateEvaluator> compiled_on(device::Selection& selection, const Cavity& cavity,
                                                 std::span<const CandidateSpace> spaces, const FitOptions& options) {
   std::vector<Candidate> candidates;
@@ -155,8 +157,8 @@ MakeEvaluator evaluator_on(const std::optional<device::Device>& device, bool ker
   };
 }
 
-/// Where every implant of the series is searched: on the points to be served, and within the limit at these and others
-/// on the surface between them.
+/// The cavity in which every implant of the series is searched: its own points count; the limit holds at these and at
+/// others on the surface between them.
 struct SearchedCavity {
   /// `of_points` is an evaluator of the points, if there is one already.
   SearchedCavity(const Cavity& cavity, double spacing, const MakeEvaluator& make,
@@ -202,7 +204,7 @@ class ImplantSearch {
         full_(space, *cavity.surface_evaluator, cavity.surface, asked, options.fitness, options.penetration_limit,
               watch) {}
 
-  /// Of the surface only what the search knows.
+  /// The best pose; of the surface it considers only the search's points.
   Found best() {
     watch_.at(implant_, 0.0);
     full_.at(space_.start());  // so that there is a best pose, whenever the search is interrupted
@@ -223,7 +225,7 @@ class ImplantSearch {
     return cavity_.triangles.empty() ? settled(*full_.best()) : *full_.best();
   }
 
-  /// What each start was refined to, but for the best and what is close to a better one.
+  /// The refined pose of each start, but for the best and those close to a better one.
   [[nodiscard]] std::vector<Found> others() {
     std::vector<Found> ranked = refined_;
     std::ranges::stable_sort(ranked, better);
@@ -285,7 +287,7 @@ class ImplantSearch {
     return true;
   }
 
-  /// Of those that are close to each other the best alone.
+  /// Of starts that are close to each other keeps only the best.
   void keep_best(std::vector<Ranked>& starts, std::size_t count) const {
     std::ranges::stable_sort(starts, [](const Ranked& a, const Ranked& b) { return a.objective > b.objective; });
     std::vector<Ranked> kept;
@@ -308,8 +310,8 @@ class ImplantSearch {
     }
   }
 
-  /// Replaces the search's depths by those in the union. Where these break the limit, the search is repeated nearby
-  /// under a limit that is lower in the same proportion.
+  /// Replaces the search's depths by those in the union. If these break the limit, the search is repeated nearby under
+  /// a limit that is lower in the same proportion.
   Found settled(Found found) {
     double limit = options_.penetration_limit;
     for (int settling = 0;; ++settling) {
@@ -337,14 +339,14 @@ class ImplantSearch {
   std::vector<Found> refined_;  ///< from each start
 };
 
-/// The best of an implant, and what else was refined.
+/// The best pose of an implant, and the other refined poses.
 struct FoundOfImplant {
   Found best;
   double size;
   std::vector<Found> others;
 };
 
-/// Of two implants of the series.
+/// Compares two implants of the series.
 bool better(const FoundOfImplant& a, const FoundOfImplant& b, FitObjective objective) {
   const bool alike = a.best.broken == b.best.broken && a.best.apart == b.best.apart &&
                      a.best.within_limit == b.best.within_limit &&

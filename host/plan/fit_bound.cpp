@@ -26,7 +26,7 @@ namespace verisq::fit_search {
 
 namespace {
 
-/// How close depths in the implant are asked for, of a primitive's smallest semi-axis.
+/// Share of a primitive's smallest semi-axis: the tolerance of depths in the implant.
 constexpr double kDepthTolerance = 1e-2;
 constexpr std::size_t kSlabsBetweenPolls = 8;
 
@@ -83,15 +83,15 @@ double BoundedImplant::model_radius() const {
   return radius;
 }
 
-/// Four times the largest coordinates of points, poses and implant together, which no sum of them on the way from the
-/// cavity to the implant exceeds. No point is farther from the implant than a quarter of it.
+/// Four times the sum of the largest coordinates of points, poses and implant. No sum of them on the way from the
+/// cavity to the implant exceeds it. No point is farther from the implant than a quarter of it.
 double BoundedImplant::size_of(std::span<const verify::WeightedPoint> points) const {
   double farthest = 0.0;
   for (const verify::WeightedPoint& point : points) farthest = std::max(farthest, point.place.norm());
   return 4.0 * (farthest + space_.start_centre.norm() + 2.0 * candidates_.upper()[0] + 2.0 * model_radius());
 }
 
-/// To one primitive at a time: the union's overlaps are deeper, but cost a search.
+/// Depths in one primitive at a time: the union's overlaps are deeper, but cost a search.
 std::vector<double> BoundedImplant::depths(std::span<const Point> queries, const FitBoundOptions& options) {
   std::vector<double> upper(queries.size(), infinity);
   std::vector<MapResult> rows(queries.size());
@@ -122,7 +122,7 @@ using verify::WeightedPoint;
 
 /// Boxes that are divided between two polls.
 constexpr std::size_t kBatch = 512;
-/// Of what is known: a pose that seems better by less is none.
+/// Share of the known objective: a pose that seems better by less is not better.
 constexpr double kNotBetter = 1e-4;
 
 /// An implant's index takes a byte of each box.
@@ -147,7 +147,7 @@ void check_bound(std::span<const UncertainModel> series, const Cavity& cavity, c
   }
 }
 
-/// What is known of F in one pose, in floating point.
+/// The approximate objective F of one pose, in floating point.
 class PoseTrial {
  public:
   PoseTrial(std::span<const WeightedPoint> points, const FitBoundOptions& options)
@@ -186,10 +186,10 @@ double sum_of_weights(std::span<const WeightedPoint> points) {
   return sum;
 }
 
-/// How the range of one implant is halved: the two halves follow each other.
+/// The halvings of one implant's range: the two halves follow each other.
 class HalvingTree {
  public:
-  /// The whole range is node 0. Returns the node of the lower half; that of the upper one is the next.
+  /// The whole range is node 0. Returns the node of the lower half; the node of the upper half is the next.
   std::uint32_t halve(std::uint32_t node, std::uint8_t direction) {
     const auto first = static_cast<std::uint32_t>(nodes_.size());
     nodes_[node] = {first, static_cast<PoseDivision>(direction)};
@@ -258,13 +258,13 @@ class BranchAndBound {
   }
 
  private:
-  /// Boxes whose bound is no larger need no division: known >= (1 - gap) bound, rounded down. Of a known objective that
-  /// is not positive no share is asked.
+  /// Boxes whose bound is no larger need no division: known >= (1 - gap) bound, rounded down. For a known objective
+  /// that is not positive no share applies.
   static double enough(const FitBoundOptions& options) {
     return options.known > 0.0 ? options.known / (1.0 - options.gap) * (1.0 - 0x1p-50) : options.known;
   }
 
-  /// The whole range of one implant; false where that was to end before it was done.
+  /// Begins with the whole range of one implant; false if the work was ended before.
   bool begin(std::size_t i) {
     auto implant = std::make_unique<BoundedImplant>(series_[i], points_, options_);
     if (!implant->is_ready()) return false;
@@ -276,7 +276,7 @@ class BranchAndBound {
 
   static bool worse(const RangeCell& a, const RangeCell& b) { return a.bound < b.bound; }
 
-  /// Of an implant that was not begun only the weights say anything.
+  /// An implant that was not begun is bounded only by the weights.
   [[nodiscard]] double upper() const {
     if (implants_.size() < series_.size()) return weight_;
     return open_.empty() ? closed_ : std::max(closed_, open_.front().bound);
@@ -297,7 +297,7 @@ class BranchAndBound {
       open_.pop_back();
     }
     std::vector<FitBoxResult> results(children.size());
-    // A box of a large mesh takes some milliseconds, all of them take seconds: each asks.
+    // A box of a large mesh takes some milliseconds, all of them take seconds: each polls.
     const SeenInterruption ended(either(options_.interrupted, options_.out_of_time));
     const std::size_t done =
         in_parallel_until(ended, children.size(), [&](std::size_t i) { results[i] = bounded(children[i]); });
@@ -306,7 +306,7 @@ class BranchAndBound {
     try_best(std::span(children).first(done), std::span(results).first(done));
   }
 
-  /// A half that was not looked at: what its whole has holds of it.
+  /// Puts back a half that was not processed: the bound of its whole is valid for it.
   void put_back(const RangeCell& half) {
     open_.push_back(half);
     std::ranges::push_heap(open_, worse);
@@ -314,7 +314,7 @@ class BranchAndBound {
 
   void take(RangeCell& cell, const FitBoxResult& result) {
     ++boxes_;
-    // What holds of the whole holds of its parts, the weights' sum of all. A NaN says nothing.
+    // The bound of the whole is valid for its parts, and the sum of the weights for all. A NaN bounds nothing.
     cell.bound = std::min({cell.bound, weight_, std::isnan(result.upper) ? infinity : result.upper});
     if (cell.bound == -infinity) return;
     Eigen::Index widest = 0;
@@ -329,7 +329,7 @@ class BranchAndBound {
     std::ranges::push_heap(open_, worse);
   }
 
-  /// Whether the centre of the box that looks best is better than what is known.
+  /// Tests whether the centre of the box that looks best is better than the known pose.
   void try_best(std::span<const RangeCell> cells, std::span<const FitBoxResult> results) {
     std::size_t best = cells.size();
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -351,7 +351,7 @@ class BranchAndBound {
   std::span<const WeightedPoint> points_;
   const FitBoundOptions& options_;
   PoseTrial trial_;
-  double weight_;  ///< of all points: no objective is larger
+  double weight_;  ///< sum of all points' weights: no objective is larger
   double best_;    ///< objective of a pose known or found
   double enough_;
   double closed_ = -infinity;  ///< the largest bound of a box that is not divided any more
@@ -376,9 +376,10 @@ FitBound bound_fit(std::span<const UncertainModel> series, const Cavity& cavity,
 
 namespace {
 
-/// How much further than the search's a box is halved: intervals are hardly wider, contained balls a little smaller.
+/// The number of levels that a box is halved beyond the search's: intervals are hardly wider, contained balls a little
+/// smaller.
 constexpr std::size_t further_levels = 12;
-/// Than the bound, and than what is proven, so that other roundings than the checker's prove it, too.
+/// Factor beyond the bound, and beyond the proven bound, so that checkers with other roundings prove it, too.
 constexpr double slightly_more = 1.0 + 1e-9;
 
 }  // namespace

@@ -16,16 +16,16 @@
 
 namespace verisq::fit_search {
 
-// Boxes of a range of poses that are searched, by halvings of it.
+// Boxes of a searched range of poses, made by halving the range.
 
 struct RangeCell {
   verify::PoseCell poses;
-  double bound = infinity;   ///< of the objective in it
+  double bound = infinity;   ///< bound of the objective in the box
   std::uint8_t widest = 0;   ///< direction to be divided next
   std::uint8_t implant = 0;  ///< in the series
-  std::uint32_t node = 0;    ///< of the implant's tree of halvings
+  std::uint32_t node = 0;    ///< in the implant's tree of halvings
 
-  /// Their nodes follow each other from `first` on.
+  /// The two halves; their nodes follow each other from `first` on.
   [[nodiscard]] std::array<RangeCell, 2> halves(std::uint32_t first) const {
     std::array<RangeCell, 2> halves{*this, *this};
     const auto [low, high] = poses.halves(widest);
@@ -42,7 +42,7 @@ struct RangeCell {
 /// Any number of threads may ask.
 class BoundedImplant {
  public:
-  /// Keeps nothing of its arguments; asks the options now and then whether to end. Throws Error(input) as
+  /// Keeps nothing of its arguments; polls the options now and then whether to end. Throws Error(input) like
   /// CandidateSpace and Mapper.
   BoundedImplant(const UncertainModel& implant, std::span<const verify::WeightedPoint> points,
                  const FitBoundOptions& options);
@@ -54,9 +54,9 @@ class BoundedImplant {
 
   [[nodiscard]] const CandidateSpace& space() const { return candidates_; }
   [[nodiscard]] const verify::DistanceField& field() const { return field_; }
-  /// False where the options asked to end before all was ready: then it bounds nothing.
+  /// False if the options ended the work before all was ready: then it bounds nothing.
   [[nodiscard]] bool is_ready() const { return ready_; }
-  /// That proved depths, or "host".
+  /// The device that proved depths, or "host".
   [[nodiscard]] const std::string& device() const { return device_; }
 
  private:

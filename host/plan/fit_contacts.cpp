@@ -1,4 +1,4 @@
-/// Areas of the bone are those of its vertices; a triangle is of the area that two of its corners are of.
+/// Areas of the bone are areas of its vertices; a triangle belongs to the area of two of its corners.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,11 +18,12 @@ namespace {
 constexpr std::string_view whole = "contact";
 constexpr std::string_view of_area = "contact:";
 constexpr std::string_view of_implant = "implant_contact";
-/// Of a share, where nothing is asked of it, and where something is; and of the samples that this may take.
+/// The widths of a share without a requirement, and of one with a requirement; and the number of samples that it may
+/// take.
 constexpr double share_width = 0.005;
 constexpr double asked_share_width = 0.001;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 19U;
-/// Of an area, for the search, about.
+/// The number of samples of an area, for the search, about.
 constexpr double samples_of_contact = 4096.0;
 
 std::optional<std::size_t> area_named(const FitProblem& problem, std::string_view name) {
@@ -31,7 +32,7 @@ std::optional<std::size_t> area_named(const FitProblem& problem, std::string_vie
   return static_cast<std::size_t>(found - problem.cavity.areas.begin());
 }
 
-/// Of three different areas the first corner's.
+/// The area of each triangle; for three different areas the first corner's.
 std::vector<std::uint32_t> area_of_triangles(const FitProblem& problem) {
   std::vector<std::uint32_t> areas;
   areas.reserve(problem.mesh.triangles.size());
@@ -57,7 +58,7 @@ bool asks_of_implant(const FitProblem& problem) {
          std::ranges::find(problem.contacts, of_implant, &KeptFeature::name) != problem.contacts.end();
 }
 
-/// To nearest.
+/// Rounded to nearest.
 double area(const Point& a, const Point& b, const Point& c) {
   std::array<double, 3> normal{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -87,7 +88,7 @@ void add_parts(const Triangle& corners, double of_triangle, int k, FitContact& c
   }
 }
 
-/// About evenly over the triangles of one area, or of all; none where there are no triangles.
+/// Samples about evenly over the triangles of one area, or of all; none if there are no triangles.
 void sample(const FitProblem& problem, const std::optional<std::size_t>& of, FitContact& contact) {
   const std::vector<std::uint32_t> area_of = area_of_triangles(problem);
   std::vector<std::pair<Triangle, double>> triangles;

@@ -23,7 +23,7 @@
 namespace verisq {
 namespace {
 
-/// Of what is not known in a pose: broken, and finite for the search.
+/// The range of an unknown change: broken, and finite for the search.
 constexpr Enclosure unknown_change{-1e9, 1e9};
 
 const Feature* feature_of(const FemurFeatures& changes, const std::string& name) {
@@ -93,7 +93,7 @@ std::vector<FitConstraint> constraints_of(const FitProblem& problem) {
 namespace verisq::planning {
 namespace {
 
-/// One part, whose inside is what the user means.
+/// Requires a single part, whose inside the user means.
 void check_parts(const FitRequest& request, std::size_t parts) {
   if (parts == 1) return;
   if (request.surface == FitSurface::bone) {
@@ -183,7 +183,7 @@ FitSurface surface_of(const FitRequest& request, const Mesh& mesh, bool has_side
 
 namespace {
 
-/// What only cuts a solid lies anywhere.
+/// Primitives that only cut a solid lie anywhere.
 void refuse_sides_of_cuts(const FitRequest& request, const UncertainModel& implant,
                           const std::vector<SurfaceSide>& sides) {
   for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -371,7 +371,8 @@ void tell_of_empty_areas(const Cavity& cavity, std::vector<std::string>& notices
   }
 }
 
-/// Those that count for what the implant changes of the bone, where that is asked for. Precondition: check_implant.
+/// The landmarks of the implant that count for changes of the bone, if these are requested. Precondition:
+/// check_implant.
 FemurLandmarks landmarks_of(const FitImplant& implant, FitProblem& problem) {
   if (!problem.bone) return implant.landmarks;
   std::vector<features::NamedCentre> centres;

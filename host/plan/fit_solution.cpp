@@ -1,4 +1,4 @@
-/// A fit that is asked for, solved: the largest implant that fits, and whether conditions are proven to hold.
+/// Solves a requested fit: the largest implant that fits, and proofs of its conditions.
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -26,18 +26,19 @@ namespace verisq::planning {
 
 // The conditions of a fit, from its proof.
 
-/// Its name.
+/// The name of the limit's condition.
 inline constexpr std::string_view limit_condition = "smallest distance";
 
-/// The changes that a range is asked of.
+/// The conditions of the changes with a required range.
 [[nodiscard]] std::vector<FitCondition> conditions_of_changes(const FitProblem& problem, const FemurFeatures& changes);
 
-/// All: the limit of penetration, sides, changes, contact.
+/// All conditions: the limit of penetration, sides, changes, contact.
 [[nodiscard]] std::vector<FitCondition> conditions_of(const FitProblem& problem, const Fit& fit, const FitProof& proof);
 
-// The largest implant of a series, or the largest sizes, of which everything asked is proven.
+// The largest implant of a series, or the largest sizes, for which all requirements are proven.
 
-/// As solve_fit says. That no larger one can keep the conditions is not proven: the search found no pose of one.
+/// As defined by solve_fit. It is not proven that no larger implant can keep the conditions: the search found no pose
+/// of one.
 [[nodiscard]] FitSolution largest_fit(const FitProblem& problem, const FitSolutionOptions& options);
 
 namespace {
@@ -54,7 +55,7 @@ double close_to(ConditionUnit unit, const FitProblem& problem) {
   }
 }
 
-/// What is proven to be broken does not end anything, nor does an end that no value can pass.
+/// A condition that is proven to be broken ends nothing, nor does an end that no value can pass.
 std::optional<RangeEnd> binding_end(const FitCondition& condition, const FitProblem& problem) {
   if (condition.kept == false) return std::nullopt;
   const bool is_share = condition.unit == ConditionUnit::percent;
@@ -95,7 +96,7 @@ std::vector<FitCondition> conditions_of_sides(const FitProblem& problem, const F
   return conditions;
 }
 
-/// Of shares in percent, rounded outward by far more than 100 x is off.
+/// The shares in percent, rounded outward by far more than the error of 100 x.
 Enclosure in_percent(const Enclosure& share) {
   constexpr double rounding = 1e-13;
   return {std::max(0.0, 100.0 * share.lo - rounding), std::min(100.0, 100.0 * share.hi + rounding)};
@@ -148,13 +149,13 @@ std::vector<FitCondition> conditions_of(const FitProblem& problem, const Fit& fi
 
 namespace {
 
-/// Of the bounding radius: the rows of a trial's proof need not be narrow.
+/// Share of the bounding radius: the rows of a trial's proof need not be narrow.
 constexpr double tolerance_of_rows = 1e-6;
 
-/// An implant of the series, and what is known of it.
+/// An implant of the series, and the results for it.
 struct Member {
   std::size_t implant;
-  double size;                 ///< that it may have at most, then what the search gave it
+  double size;                 ///< its largest possible size, then the size that the search gave it
   std::optional<Fit> fit;      ///< once searched
   std::optional<bool> proven;  ///< once tried: all conditions, or not
   std::vector<std::string> open;
@@ -185,7 +186,7 @@ class LargestFit {
   [[nodiscard]] bool out_of_time() const { return options_.search_out_of_time && options_.search_out_of_time(); }
   [[nodiscard]] bool ended() const { return options_.interrupted() || out_of_time(); }
 
-  /// Of equals the earlier; nothing when all are searched and none is proven.
+  /// The largest open member; of equals the earlier. Nothing when all are searched and none is proven.
   Member* largest_open() {
     Member* largest = nullptr;
     for (Member& member : members_) {
@@ -216,8 +217,8 @@ class LargestFit {
     member.size = implant_size(member.fit->model);
   }
 
-  /// What the search found no pose of within the limit is not tried. Rows are thrown away: the chosen one's are proven
-  /// again for whoever wants them.
+  /// An implant without a pose within the limit is not tried. Rows are thrown away: for the chosen implant they are
+  /// proven again on demand.
   void prove(Member& member) {
     if (!member.fit->within_limit) {
       member.open = {std::string(limit_condition)};
@@ -302,7 +303,7 @@ constexpr double surface_coarseness = 10.0;
 // say more closely how far it is too deep.
 constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 
-/// Before the search, not after it.
+/// Refuses, before the search, requests that have no bound.
 void refuse_what_has_no_bound(const FitProblem& problem) {
   if (problem.options.objective == FitObjective::size)
     refuse("`bound`: is of F, which `objective` size does not maximise");
@@ -342,7 +343,7 @@ FitTrial untried(const FitProblem& problem, const FitFinalist& finalist) {
   return trial;
 }
 
-/// Of the search that chose the fit.
+/// The trials of the search that chose the fit.
 std::vector<FitTrial> trials_of(const FitProblem& problem, const Fit& fit) {
   std::vector<FitTrial> trials;
   trials.reserve(fit.finalists.size());

@@ -30,12 +30,13 @@ namespace {
 using verify::Direction;
 using verify::RigidPath;
 
-/// Of the tolerance goes to the samples at placements, the rest to the ways between them. Wider samples cost less each,
-/// but more of them are needed.
+/// Share of the tolerance for the samples at placements; the rest is for the ways between them. Wider samples cost less
+/// each, but more of them are needed.
 constexpr double share_of_placements = 0.25;
-/// Of a point: beyond them its enclosure stays as wide as it is.
+/// Limit for one point: beyond it the point's enclosure stays as wide as it is.
 constexpr std::size_t most_samples = std::size_t{1} << 13U;
-/// Searched at a time: enough to keep a device busy, few enough to fit into memory with all their samples.
+/// The number of points searched at a time: enough to keep a device busy, few enough to fit into memory with all their
+/// samples.
 constexpr std::size_t chunk_size = points_per_insertion_block;
 
 struct Sample {
@@ -51,11 +52,11 @@ struct Stretch {
   double bound;   ///< no distance on it is less
 };
 
-/// What is known of one point.
+/// The search for one point.
 struct PointSearch {
   Point point;
   std::vector<Stretch> open = {};
-  double settled_lo = -infinity;  ///< of all of the path that is in no open stretch
+  double settled_lo = -infinity;  ///< least distance on the part of the path that is in no open stretch
   double hi = infinity;
   double deepest = 0.0;  ///< the time of that end
   std::size_t samples = 0;
@@ -68,7 +69,7 @@ struct PointSearch {
   }
 };
 
-/// A distance asked for: of a point at a time, to halve one of its stretches.
+/// A requested distance: of a point at a time, to halve one of its stretches.
 struct Query {
   std::size_t search;
   std::size_t stretch;
@@ -137,8 +138,8 @@ class PathSearch {
     }
   }
 
-  /// The stretches that may hold a smaller distance than all samples by more than the tolerance; the others are
-  /// settled: the smallest distance known will only fall.
+  /// The stretches that may contain a smaller distance than all samples by more than the tolerance. The others are
+  /// settled: the smallest known distance can only fall.
   std::vector<Query> halvings() {
     std::vector<Query> queries;
     for (std::size_t n = 0; n < searches_.size(); ++n) {
@@ -157,7 +158,7 @@ class PathSearch {
   [[nodiscard]] bool can_narrow(const PointSearch& search, const Stretch& stretch) const {
     if (stretch.bound >= search.hi) return false;
     if (search.hi - stretch.bound <= options_.tolerance) return false;
-    // What is left then is the width of the samples, which may be the tightest there are.
+    // The remaining width is the width of the samples, which may be the tightest possible.
     const double widest = std::max(stretch.begin.distance.width(), stretch.end.distance.width());
     if (stretch.length <= std::max(widest, share_of_placements * options_.tolerance)) return false;
     const double half = verify::middle_of_way(stretch.begin.time, stretch.end.time);
@@ -171,7 +172,7 @@ class PathSearch {
       const Stretch whole = search.open[queries[n].stretch];
       Stretch first = stretch(search.point, whole.begin, samples[n]);
       Stretch second = stretch(search.point, samples[n], whole.end);
-      // What was known of the whole holds for its parts.
+      // The bound of the whole is valid for its parts.
       first.bound = std::max(first.bound, whole.bound);
       second.bound = std::max(second.bound, whole.bound);
       search.open[queries[n].stretch] = first;
@@ -303,8 +304,8 @@ Insertion smallest_distance_along(std::span<const Pose> path, const Model& impla
 namespace {
 
 constexpr double degree_of_turn = std::numbers::pi / 180.0;
-/// Between two poses translations are linear: a point off the axis by r then leaves its circle by r a²/8, at most
-/// 4e-5 r for turns a of so many degrees.
+/// Between two poses translations are linear. So a point off the axis by r leaves its circle by r a²/8, at most 4e-5 r
+/// for turns a of so many degrees.
 constexpr double degrees_of_a_step = 1.0;
 constexpr double most_degrees = 360.0;
 
@@ -351,14 +352,14 @@ constexpr double largest_turn_of_way = 360.0;
 
 /// Ways of each round, the middle one besides.
 constexpr std::array<std::size_t, 4> ways_of_rounds{15, 12, 12, 12};
-/// From a round to the next, of cone and turn.
+/// Factor of cone and turn from one round to the next.
 constexpr double shrinking = 0.4;
 
-/// Of a way that is compared, at most: of turning ways more would cost minutes each.
+/// Limit of the cubes for a compared way: for turning ways more would cost minutes each.
 constexpr std::uint64_t most_cubes_compared = std::uint64_t{1} << 16U;
 
-/// Of a low-discrepancy sequence in three dimensions: powers of the root of x⁴ = x + 1 (M. Roberts, "The unreasonable
-/// effectiveness of quasirandom sequences", 2018).
+/// The constant of a low-discrepancy sequence in three dimensions: powers of the root of x⁴ = x + 1 (M. Roberts, "The
+/// unreasonable effectiveness of quasirandom sequences", 2018).
 constexpr double generalised_golden_ratio = 1.2207440846057596;
 
 double fraction(double x) {
@@ -441,7 +442,7 @@ class WaySearch {
     return way;
   }
 
-  /// What it takes away, or enough to see that this is more than the best does.
+  /// The volume that the way takes away, or a lower bound that exceeds the best way's.
   Enclosure consider(const WayIn& way) {
     RemovedVolumeOptions options = options_.volume;
     options.relative_tolerance = std::max(options.relative_tolerance, options_.relative_tolerance);

@@ -63,10 +63,11 @@ constexpr StoppingCriteria kRefinement{.step = 1e-8, .evaluations = 80};
 constexpr StoppingCriteria kRestoration{.step = 1e-8, .evaluations = 120};
 /// Points added in a round, at most.
 constexpr std::size_t kAdded = 128;
-/// In parts of the fitness' scale: how close to the limit a point is watched, and what keeps rounding from crossing it.
+/// In parts of the fitness' scale: the distance from the limit within which a point is watched, and the margin that
+/// keeps rounding from crossing the limit.
 constexpr double kWatched = 0.5;
 constexpr double kMargin = 1e-6;
-/// In parts of the sum of weights: what makes another round worth its while.
+/// In parts of the sum of weights: the gain that makes another round worthwhile.
 constexpr double kWorthwhile = 1e-9;
 
 class LimitedRefinement {
@@ -81,8 +82,8 @@ class LimitedRefinement {
     double reached = -infinity;
     for (int round = 0; round < kMostRounds && !cavity_.watch().ended(); ++round) {
       const bool more = watch_worst(parameters);
-      // Where the nearest primitive changes the distance has a kink, at which the optimiser may stop early: a fresh
-      // start goes on.
+      // If the nearest primitive changes, the distance has a kink, at which the optimiser may stop early: a fresh start
+      // continues.
       const double objective = cavity_.at(parameters).evaluation.objective;
       if (!more && objective <= reached + kWorthwhile * weight_) break;
       reached = more ? -infinity : objective;
@@ -94,7 +95,7 @@ class LimitedRefinement {
   void restore(const Parameters& parameters) { (void)restored(parameters); }
 
  private:
-  /// Of a distance: what is missing to the limit and the margin, negative where it is beyond.
+  /// The distance left to the limit and the margin; negative beyond it.
   [[nodiscard]] double slack(const PointDistance& at) const {
     return at.distance + cavity_.penetration_limit() - kMargin * scale_;
   }
@@ -158,7 +159,7 @@ class LimitedRefinement {
     cavity_.space().gradient(x, by_pose, at, row);
   }
 
-  /// The squares of what is missing of the constraints; their derivatives are taken off the gradient.
+  /// Adds the squares of the constraints' violations; subtracts their derivatives from the gradient.
   [[nodiscard]] double add_missing(std::span<const double> x, std::span<double> gradient) const {
     const PoseConstraints& asked = cavity_.asked().constraints;
     std::vector<double> missing = asked.slack(x);
@@ -173,7 +174,8 @@ class LimitedRefinement {
     return sum;
   }
 
-  /// From a candidate beyond the limit to one within it, if one is near: least squares of what all points are too deep.
+  /// From a candidate beyond the limit to one within it, if one is near: least squares of the excess depths of all
+  /// points.
   [[nodiscard]] Parameters restored(const Parameters& parameters) const {
     const PoseConstraints& asked = cavity_.asked().constraints;
     if (cavity_.at(parameters).within_limit && asked.violation(parameters) == 0.0) return parameters;
@@ -185,7 +187,7 @@ class LimitedRefinement {
       double sum = 0.0;
       std::ranges::fill(gradient, 0.0);
       for (std::uint32_t i = 0; i < found.distances.size(); ++i) {
-        // Twice the margin: the squares leave a little of what they are to remove.
+        // Twice the margin: the squares leave a little of the excess.
         const double missing = std::min(slack(found.distances[i]) - kMargin * scale_, 0.0) / scale_;
         if (missing == 0.0) continue;
         sum += missing * missing;
@@ -306,28 +308,29 @@ constexpr int most_rounds = 24;
 /// One after the other: the implant is too large, or may not move.
 constexpr int most_futile_rounds = 10;
 constexpr int most_unmoved_rounds = 5;
-/// In parts of the tolerance of the surface: how closely a proof follows it at first, and how far within the limit the
-/// search stays so that a closer one can succeed.
+/// In parts of the surface's tolerance: the accuracy of a first proof, and the distances within the limit at which the
+/// search stays so that a closer proof can succeed.
 constexpr double coarse = 100.0;
 constexpr double kept_away = 2.0;
 constexpr double farther_away = 4.0;
-/// In parts of the objective: what makes another round worth its while once a pose is proven.
+/// In parts of the objective: the gain that makes another round worthwhile once a pose is proven.
 constexpr double worthwhile = 1e-4;
 /// Rounds after which a pose is no longer improved, only moved away from the surface, farther each time: along a flat
 /// side the best pose slides between any points.
 constexpr int patient_rounds = 3;
 constexpr double impatience = 2.0;
-/// The grid about the implant: how many points on the whole surface at most, and which are close, in spacings.
+/// The grid about the implant: the largest number of points on the whole surface, and the distance, in spacings, of
+/// points that are close.
 constexpr std::size_t most_grid_points = 100'000;
 constexpr double close_by = 2.0;
-/// Of the outer points of a patch, in spacings.
+/// Distance of the outer points of a patch, in spacings.
 constexpr double patch_spacing = 0.5;
-/// Of one proof, a coarse and a close one: where it would need more, a pose a little farther away is proven sooner.
+/// Limits of one proof, a coarse and a close one: if it would need more, a pose a little farther away is proven sooner.
 constexpr std::uint64_t most_coarse_samples = std::uint64_t{1} << 13U;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 16U;
 constexpr std::uint64_t most_estimates = std::uint64_t{1} << 18U;
-/// A point that is deeper in an overlap of primitives than in each of them: the search's limit is lowered in
-/// proportion, and by this factor more.
+/// If a point is deeper in an overlap of primitives than in each of them, the search's limit is lowered in proportion,
+/// and by this factor more.
 constexpr double lowering = 0.98;
 
 class SurfaceSearch {
@@ -397,7 +400,7 @@ class SurfaceSearch {
     return std::vector<std::uint32_t>(mesh.vertices.size(), 0);
   }
 
-  /// Closely, where a coarse proof finds nothing too deep. With bends and set operations a proof takes many times as
+  /// A close proof, if a coarse proof finds nothing too deep. With bends and set operations a proof takes many times as
   /// long as an estimate, which comes first.
   [[nodiscard]] MeshClearance proven(const Found& found) {
     if (!is_union_of_convex(space_.sized(found.parameters))) {
@@ -473,7 +476,7 @@ class SurfaceSearch {
     return {space_, evaluator, guarded_, asked_, options_.fitness, limit_ - kept_away_, watch_};
   }
 
-  /// For a candidate that the search takes to be within the limit, and a proof does not.
+  /// For a candidate that the search considers within the limit, but a proof does not.
   void tighten(const Found& found) {
     if (found.within_limit)
       kept_away_ *= farther_away;  // too close to be decided

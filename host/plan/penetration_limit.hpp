@@ -16,15 +16,16 @@
 
 namespace verisq::fit_search {
 
-// A candidate at every point of the cavity: the objective, the distances, whether the limit is respected.
+// The evaluation of a candidate at every point of the cavity: the objective, the distances, and whether the limit is
+// kept.
 
-/// Remembers the last candidate, because optimisers ask for objective and constraints one after the other, and offers
-/// each to the incumbent of its own. Depths are those of PointDistance: inside an overlap of primitives the union may
-/// be deeper.
+/// Remembers the last candidate, because optimisers call objective and constraints one after the other. Offers each
+/// candidate to its own incumbent. Depths are those of PointDistance: inside an overlap of primitives the union may be
+/// deeper.
 class FullEvaluation {
  public:
   struct Result {
-    Evaluation evaluation;  ///< what size and contact add to the objective included
+    Evaluation evaluation;  ///< including the terms that size and contact add to the objective
     std::vector<PointDistance> distances;
     double deepest_penetration;
     bool within_limit;
@@ -63,33 +64,32 @@ class FullEvaluation {
 
 // Climbs to the nearest maximum of the objective among the candidates that no point of the cavity enters too deep.
 
-/// A semi-infinite program solved by constraint generation: an optimum under the constraints of the worst points, then
-/// those that it violates added, until there are none. A small margin, within which the optimiser may err, keeps its
-/// answer within the limit. Whatever it evaluates is offered to the incumbent. Returns where it ended, which lies
-/// beyond the limit where no candidate nearby respects it.
+/// A semi-infinite program solved by constraint generation. It finds an optimum under the constraints of the worst
+/// points, adds the points that the optimum violates, and repeats until there are none. A small margin, within which
+/// the optimiser may err, keeps its answer within the limit. Every evaluated candidate is offered to the incumbent. The
+/// end of the search lies beyond the limit if no candidate nearby keeps it.
 void refine_within_limit(FullEvaluation& cavity, const Parameters& start);
 
-/// Only moves a candidate beyond the limit to a near one within it, if there is one.
+/// Moves a candidate beyond the limit to a near one within it, if there is one, and does nothing else.
 void restore_within_limit(FullEvaluation& cavity, const Parameters& start);
 
 // Points between those of the cavity, which an implant is kept off during the search.
 
-/// The cavity with points of weight 0 added, on a grid over each triangle of at most the given spacing, or a wider one
-/// where that would be more than the given number. The area they belong to is the last; nothing changes where there are
+/// The cavity with points of weight 0 added, on a grid over each triangle of at most the given spacing. The spacing is
+/// wider if there would be more than the given number of points. Their area is the last; nothing changes if there are
 /// no triangles. Precondition: spacing > 0.
 [[nodiscard]] Cavity with_surface_points(const Cavity& cavity, double spacing, std::size_t most_points);
 
-/// Points of a triangle about one of it, the closer together the nearer they are to it: a patch that an implant can
-/// hardly slip off. The first is the point itself. `spacing` is that of the outer ones.
+/// Points of a triangle about one of its points, denser near that point: a patch that an implant can hardly slip off.
+/// The first is the point itself. `spacing` is that of the outer ones.
 [[nodiscard]] std::vector<Point> patch(const Triangle& triangle, const Point& middle, double spacing);
 
 // Keeps the implant from cutting the surface between the points of the cavity.
 
-/// Constraint generation once more: a search nearby keeps off a grid of points, `spacing` apart, on the surface about
-/// the implant; where a triangle is proven to be cut deeper than the limit all the same, the deepest point known of it
-/// is added, until no triangle is. `device` is for the proofs. Returns the last candidate looked at, whose
-/// `within_limit` and `deepest_penetration` are of the whole surface and proven. Precondition: the cavity has
-/// triangles.
+/// Constraint generation once more. A search nearby keeps off a grid of points, `spacing` apart, on the surface about
+/// the implant. If a triangle is still proven to be cut deeper than the limit, the deepest known point of it is added,
+/// until no triangle is. `device` is for the proofs. Returns the last evaluated candidate, whose `within_limit` and
+/// `deepest_penetration` are proven for the whole surface. Precondition: the cavity has triangles.
 [[nodiscard]] Found within_surface(const CandidateSpace& space, const Found& start, const Cavity& cavity,
                                    const Requirements& asked, double spacing, const FitOptions& options,
                                    const std::string& device, const MakeEvaluator& make_evaluator, SearchWatch& watch);

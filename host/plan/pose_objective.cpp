@@ -24,8 +24,8 @@ using fit_search::Evaluation;
 using fit_search::PointDistance;
 using fit_search::PoseCell;
 
-// The counterpart of `scaled_superquadric` in kernels/signed_distance_gradient.clh. Of the primitive's parameters only
-// those that propose are set, and those that bound a tapered one to nearest: nothing is proven here.
+// The counterpart of `scaled_superquadric` in kernels/signed_distance_gradient.clh. Only the primitive's proposing
+// parameters are set, and those that bound a tapered one to nearest: nothing is proven here.
 struct ScaledPrimitive {
   PrimitiveParameters parameters;
   double unit;
@@ -57,8 +57,8 @@ constexpr std::size_t slices_of_block = 64;
 // Beyond, Newton's method often fails. A smaller exponent gives a larger solid: penetrations are overestimated.
 constexpr double largest_exponent = 1.95;
 
-// What kernels/tapered_enclosure.clh bounds with, here to nearest. An exponent of the dual norm is finite: exponents
-// are below 2.
+// The bounding parameters of kernels/tapered_enclosure.clh, here to nearest. An exponent of the dual norm is finite:
+// exponents are below 2.
 void set_taper_to_nearest(PrimitiveParameters& parameters, double taper) {
   double squares = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -197,7 +197,7 @@ std::string_view objective_sources(bool tapered) {
   return tapered ? kernels::embedded_tapered_pose_objective_sources() : kernels::embedded_pose_objective_sources();
 }
 
-// The kernels for candidates in the memory that `model_memory_option` names, of which primitives are tapered or none.
+// The kernels for candidates in the memory that `model_memory_option` names, for primitives with or without tapers.
 struct Kernels {
   Kernels(const Device& device, const std::string& memory_option, bool tapered_ones)
       : memory(memory_option),

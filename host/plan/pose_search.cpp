@@ -48,7 +48,7 @@ struct Destroy {
 };
 using Optimiser = std::unique_ptr<nlopt_opt_s, Destroy>;
 
-/// What NLopt calls back, in parameters divided by their units and an objective divided by its typical size.
+/// The functions that NLopt calls, in parameters divided by their units and an objective divided by its typical size.
 class Callbacks {
  public:
   Callbacks(const MaximisationProblem& problem, nlopt_opt optimiser)
@@ -105,7 +105,7 @@ class Callbacks {
     return value / problem_.typical;
   }
 
-  // NLopt wants what must not be positive.
+  // NLopt requires values that must not be positive.
   void constraints_at(const double* scaled, std::span<double> values, double* jacobian) {
     parameters_ = unscaled(scaled);
     derivatives_.resize(values.size() * parameters_.size());
@@ -224,7 +224,7 @@ class LowDiscrepancySequence {
 /// A box of poses: `half` times the whole range to both sides of the centre, as far as the range goes.
 struct Cell {
   Ranked centre;
-  double bound;  ///< of the objective within the cell
+  double bound;  ///< bound of the objective within the cell
 };
 
 class Sampler {
@@ -288,7 +288,7 @@ void best_first(std::vector<Cell>& cells) {
   std::ranges::stable_sort(cells, [](const Cell& a, const Cell& b) { return a.centre.objective > b.centre.objective; });
 }
 
-/// Drops what cannot hold anything better than what is known, then all but the best.
+/// Drops cells that cannot contain anything better than the known pose, then all but the best.
 std::vector<Cell> promising(std::vector<Cell> cells) {
   best_first(cells);
   const double known = cells.front().centre.objective;
@@ -297,7 +297,7 @@ std::vector<Cell> promising(std::vector<Cell> cells) {
   return cells;
 }
 
-/// Whether one lies in the other's cell.
+/// Returns whether one lies in the other's cell.
 bool close(const CandidateSpace& space, const Parameters& a, const Parameters& b, double half) {
   for (std::size_t i = 0; i < kDimensions; ++i)
     if (std::fabs(a[i] - b[i]) > half * space.upper()[i]) return false;

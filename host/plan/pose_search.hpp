@@ -1,4 +1,4 @@
-/// The search for a pose: what it minimises, on a device or the host, and its steps.
+/// The search for a pose: its objective, on a device or the host, and its steps.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,22 @@ namespace verisq::fit_search {
 
 // The search of a fit: from many starts, then locally, by NLopt, until the caller or time ends it.
 
-// What the caller of a fit hears of it and says to it while it runs.
+// The reports of a running fit to its caller, and the caller's interruptions.
 
 class SearchWatch {
  public:
   /// Keeps a reference to the options.
   SearchWatch(const FitOptions& options, std::size_t implants) : options_(options), implants_(implants) {}
 
-  /// Whether the search is to end: polls the caller and its time limit until one of them has said so once, and tells
-  /// the progress a few times a second.
+  /// Returns whether the search is to end: polls the caller and its time limit until one of them has ended it, and
+  /// reports the progress a few times a second.
   [[nodiscard]] bool ended();
 
-  /// Which of them said so, if one did.
+  /// Which of them ended it, if one did.
   [[nodiscard]] bool interrupted() const { return interrupted_; }
   [[nodiscard]] bool out_of_time() const { return out_of_time_; }
 
-  /// From now on an implant is searched, and this share of the work on it is done.
+  /// From now on this implant is searched, and this share of the work on it is done.
   void at(std::size_t implant, double share);
 
   /// A pose within the limit has this objective.
@@ -71,7 +71,7 @@ struct MaximisationProblem {
   std::function<double(std::span<const double> parameters, std::span<double> gradient)> objective;
 
   /// Constraints are numbers that must not be negative, or by no more than the tolerance: an optimum lies on some of
-  /// them, and rounding to either side. `jacobian` holds their derivatives row by row.
+  /// them, and rounding to either side. `jacobian` contains their derivatives row by row.
   std::size_t constraints = 0;
   double constraint_tolerance = 0.0;
   std::function<void(std::span<const double> parameters, std::span<double> values, std::span<double> jacobian)>
@@ -86,7 +86,7 @@ struct StoppingCriteria {
   int evaluations;
 };
 
-/// A local maximum near the start, as far as the criteria let it come. What the functions throw is passed on.
+/// A local maximum near the start, as far as the criteria allow. Exceptions of the functions are passed on.
 /// Precondition: the start lies within the bounds.
 [[nodiscard]] Parameters maximised(const MaximisationProblem& problem, const Parameters& start,
                                    const StoppingCriteria& stop);
@@ -102,9 +102,9 @@ struct Ranked {
 struct Landscape {
   Fitness fitness;
   std::size_t stride;
-  double weight;  ///< of the points that take part, in all
+  double weight;  ///< sum of the weights of the points that take part
 
-  /// A sample on the wrong side, or a unit that is missing, costs what all points are worth at best.
+  /// A sample on the wrong side, or a missing unit, costs the largest objective of all points.
   [[nodiscard]] double rank(double objective, double broken) const { return objective - weight * broken; }
 };
 
@@ -116,10 +116,11 @@ struct Landscape {
                              const Landscape& landscape, const Parameters& start, const StoppingCriteria& stop,
                              SearchWatch& watch);
 
-// Where to begin: poses sampled evenly, then again around the best of them, cells without prospects left out.
+// The start of the search: poses sampled evenly, then again around the best of them; cells without prospects are left
+// out.
 
 struct Sampling {
-  std::size_t samples;  ///< in all
+  std::size_t samples;  ///< number of samples in all
   std::uint64_t seed;
   std::size_t keep;  ///< starts returned, at most
 };

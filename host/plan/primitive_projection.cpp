@@ -17,10 +17,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr int kMostSteps = 40;
-/// Of the semi-axes: the error of the distance is of second order in that of the foot.
+/// Share of the semi-axes: the error of the distance is of second order in that of the foot.
 constexpr double kSteady = 1e-6;
-/// Where |β(x) - q|² curves downwards along the axis, or hardly upwards, the step takes this share of the chord
-/// instead.
+/// If |β(x) - q|² curves downwards along the axis, or hardly upwards, the step takes this share of the chord instead.
 constexpr double kLeastShare = 0.25;
 constexpr double kLeastMetric = 1e-6;
 
@@ -35,7 +34,7 @@ Vector3d turned(const Vector3d& v, double angle) {
   return {c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]};
 }
 
-/// That for tapered solids is the faster one, by far from inside.
+/// The projection for tapered solids is the faster one, by far from inside.
 Projection projected(const Superquadric& solid, const Vector3d& q) {
   return std::ranges::max(solid.exponents) < 2.0 ? TaperedProjection(solid)(q) : SuperquadricProjection(solid)(q);
 }
@@ -57,8 +56,8 @@ BentProjection::BentProjection(const Superquadric& solid, const Bend& bend)
   const double end = std::min(k * height, std::numbers::pi);
   const double widest = 1.0 + k * reach;
   const double sagitta = height * std::sin(end / 2.0) * sine_quotient(end / 2.0);  // of the axis' ends
-  // Towards the centre of curvature: the sagitta, and what the end's section has of this direction; away from it: the
-  // outer side.
+  // Towards the centre of curvature: the sagitta plus the extent of the end's section in this direction; away from it:
+  // the outer side.
   const double inward = sagitta + reach;
   const double sideways = end < std::numbers::pi / 2.0 ? height * widest * sine_quotient(end) : widest / k;
   box_lower_ = {curvature_ > 0.0 ? -reach : -inward, -breadth, -sideways};
@@ -150,7 +149,7 @@ Vector3d BentProjection::image(const Vector3d& own) const {
   return turn_.transpose() * bent(turn_ * own);
 }
 
-/// Of |β(x) - q| with x in proportion to the semi-axes.
+/// The derivatives of |β(x) - q| with x in proportion to the semi-axes.
 Vector3d BentProjection::size_gradient(const Projection& found) const {
   const Vector3d x = unbent(turn_ * found.nearest);
   Vector3d pulled_back = turned(turn_ * found.normal, -curvature_ * x[2]);

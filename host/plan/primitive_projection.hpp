@@ -11,9 +11,9 @@ namespace verisq::fit_search {
 
 // The signed distance of a point to one bent superquadric in plain binary64, as searches for poses need it.
 
-/// As SuperquadricProjection, of a bent solid β(K), tapered or not (docs/mathematics.md §9): |β(x) - q|² over the
-/// surface of the unbent K, by steps each of which projects onto K stretched along its axis, a superquadric as well.
-/// Where bends are strong and points are far they may stop at a locally shortest way. Proves nothing.
+/// Like SuperquadricProjection, for a bent solid β(K), tapered or not (docs/mathematics.md §9). It minimises |β(x) -
+/// q|² over the surface of the unbent K, by steps each of which projects onto K stretched along its axis, a
+/// superquadric as well. If bends are strong and points are far, it may stop at a locally shortest way. Proves nothing.
 class BentProjection {
  public:
   /// Precondition: the bend is one of this solid's (Bend).
@@ -21,20 +21,20 @@ class BentProjection {
 
   [[nodiscard]] Projection operator()(const Eigen::Vector3d& q) const;
 
-  /// Where the bend takes a point of the solid's own frame.
+  /// The image, under the bend, of a point of the solid's own frame.
   [[nodiscard]] Eigen::Vector3d image(const Eigen::Vector3d& unbent) const;
 
-  /// Derivatives of a distance found by the semi-axes of K.
+  /// Derivatives of a found distance by the semi-axes of K.
   [[nodiscard]] Eigen::Vector3d size_gradient(const Projection& found) const;
 
-  /// Not more than the signed distance: that to a box.
+  /// A lower bound of the signed distance: the distance to a box.
   [[nodiscard]] double lower_bound(const Eigen::Vector3d& q) const;
 
  private:
   /// A point of the surface of K and the unit normal there, in the frame of the bend.
   struct Foot {
     Eigen::Vector3d point, normal;
-    bool inside;  ///< whether the point that it is nearest to lies in K
+    bool inside;  ///< whether the point to which it is nearest lies in K
   };
 
   [[nodiscard]] Eigen::Vector3d bent(const Eigen::Vector3d& x) const;
@@ -51,10 +51,10 @@ class BentProjection {
 
 // The signed distance of a point to one superquadric, tapered or not, bent or not, in plain binary64.
 
-/// In the solid's own frame. Proves nothing.
+/// All vectors are in the solid's own frame. Proves nothing.
 class PrimitiveProjection {
  public:
-  /// The pose counts for nothing.
+  /// The pose is ignored.
   explicit PrimitiveProjection(const Primitive& primitive)
       : solid_(primitive.superquadric), projection_(projection_of(primitive)) {}
 
@@ -68,7 +68,7 @@ class PrimitiveProjection {
     return fit_search::size_gradient(found.normal, found.nearest, solid_);
   }
 
-  /// Not more than the signed distance: that to the solid's box.
+  /// A lower bound of the signed distance: the distance to the solid's box.
   [[nodiscard]] double lower_bound(const Eigen::Vector3d& q) const {
     return std::visit([&](const auto& projection) { return projection.lower_bound(q); }, projection_);
   }

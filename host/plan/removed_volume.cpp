@@ -52,13 +52,13 @@ Enclosure sum(const Enclosure& a, const Enclosure& b) {
   return {verify::add(a.lo, b.lo, Direction::down), verify::add(a.hi, b.hi, Direction::up)};
 }
 
-/// Of the volumes of a set and of a part of it.
+/// The volume of a set without a part of it.
 Enclosure rest(const Enclosure& whole, const Enclosure& part) {
   return {std::max(0.0, verify::subtract(whole.lo, part.hi, Direction::down)),
           std::max(0.0, verify::subtract(whole.hi, part.lo, Direction::up))};
 }
 
-/// Those that a part of the path may bring into the cube.
+/// A primitive that a part of the path may bring into the cube.
 struct NearPrimitive {
   std::uint32_t primitive;
   std::vector<TimeStretch> stretches;
@@ -67,27 +67,27 @@ struct NearPrimitive {
 struct RegionCube {
   Cube cube{};
   int level = 0;
-  std::uint32_t place = 0;  ///< in the tree of all cubes
+  std::uint32_t place = 0;  ///< place in the tree of all cubes
   std::vector<NearPrimitive> primitives = {};
   std::vector<DividedSurface::Piece> surfaces = {};
   Enclosure removed{0.0, 0.0};
 };
 
-/// Bone in a cube: within all planes, and not within all of those of any of the convex sets that are left out.
+/// Bone in a cube: within all planes, and outside of each of the convex sets that are left out.
 struct BonePart {
   bool nothing = false;
-  bool unknown = false;  ///< it may be any part of that
+  bool unknown = false;  ///< the bone may be any part of that
   std::vector<CuttingPlane> planes = {};
   std::vector<std::vector<CuttingPlane>> left_out = {};
 };
 
-/// The volume in the cube of what is bone and before all of the planes.
+/// The volume in the cube of the bone before all of the planes.
 Enclosure bone_within(const Cube& cube, const BonePart& bone, std::span<const CuttingPlane> planes) {
   ClippedCube part(cube.half_width);
   for (const CuttingPlane& plane : bone.planes) part.clip(plane);
   for (const CuttingPlane& plane : planes) part.clip(plane);
   Enclosure volume = part.volume();
-  // One of them alone is left out exactly, of several the sum and the largest bound what they cover.
+  // A single set is left out exactly; for several, the sum and the largest bound the volume that they cover.
   Enclosure covered{0.0, 0.0};
   for (const std::vector<CuttingPlane>& convex : bone.left_out) {
     ClippedCube inside = part;
@@ -103,7 +103,7 @@ double cube_volume(const Cube& cube) {
   return edge * edge * edge;  // exact: powers of two
 }
 
-/// Which cubes have been divided.
+/// The divisions of cubes.
 class CubeTree {
  public:
   /// The first of eight octants, one after the other. Precondition: it has none yet.
@@ -223,8 +223,8 @@ class RemovalSearch {
     return bone;
   }
 
-  /// What is swept of the cube, from what is not: that lies before all inner planes, and holds what lies before all
-  /// outer ones.
+  /// The swept part of the cube, from its unswept part: that lies before all inner planes, and contains every point
+  /// before all outer ones.
   void evaluate(RegionCube& here) const {
     here.removed = {0.0, 0.0};
     const BonePart bone = bone_in(here);
@@ -254,7 +254,7 @@ class RemovalSearch {
     if (bone.unknown) here.removed.lo = 0.0;
   }
 
-  /// What is known as well as rounding allows is not divided.
+  /// A cube whose volume is known to rounding is not divided.
   void settle_or_open(RegionCube&& cube) {
     constexpr double rounding = 0x1p-30;
     if (cube.removed.width() <= rounding * cube_volume(cube.cube) || cube.level == deepest_level) {
@@ -276,8 +276,8 @@ class RemovalSearch {
 
   [[nodiscard]] bool is_enough() const { return found_.volume.width() <= allowed(); }
 
-  /// The cubes about which least is known, so many that the others' widths are a share of the tolerance, and no more
-  /// than may be looked at. False where none is left.
+  /// Divides the cubes with the widest volumes: so many that the others' widths are a share of the tolerance, and no
+  /// more than the budget allows. False if none is left.
   bool divide() {
     if (open_.empty()) return false;
     std::ranges::sort(open_, {}, [](const RegionCube& cube) { return cube.removed.width(); });
@@ -379,8 +379,8 @@ RemovedVolume removed_volume(std::span<const Pose> path, const Model& implant, c
 
 namespace {
 
-/// Of the width, at each end: times and directions that the checker tries come from elementary functions, which are not
-/// the same everywhere.
+/// Share of the width, at each end: times and directions that the checker tries come from elementary functions, which
+/// are not the same everywhere.
 constexpr double share_to_spare = 0x1p-10;
 
 Enclosure with_a_little_to_spare(const Enclosure& proven) {

@@ -29,13 +29,13 @@ double beta(double a, double b) {
   return std::exp(std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b));
 }
 
-/// Of the section at height h in parts of the semi-axis, in parts of the middle one's area.
+/// The area of the section at height h in parts of the semi-axis, as a part of the middle section's area.
 double section(double h, double e1) {
   return std::pow(1.0 - std::pow(std::fabs(h), 2.0 / e1), e1);
 }
 
-/// The integral of the section over heights from -1 to 1. A taper takes (x, y, z) to (L x, L y, z') with
-/// L = (1 - k^2)/(1 - k h) and dz'/dz = (1 - k^2)/(1 - k h)^2, so that a slice grows by the product of L^2 and that.
+/// The integral of the section over heights from -1 to 1. A taper takes (x, y, z) to (L x, L y, z') with L = (1 -
+/// k^2)/(1 - k h) and dz'/dz = (1 - k^2)/(1 - k h)^2, so that a slice grows by the product of L^2 and dz'/dz.
 double integrated_sections(const Superquadric& solid) {
   const double e1 = solid.exponents[0];
   if (!is_tapered(solid)) return e1 * beta(0.5 * e1, e1 + 1.0);
@@ -72,9 +72,9 @@ namespace verisq::fit_search {
 namespace {
 
 constexpr double reach_in_scales = 0.1;
-/// Of a share that is missing, in weights of all points: F gains at most one of them by giving up all contact.
+/// The cost of a missing share, in weights of all points: F gains at most one of them by giving up all contact.
 constexpr double cost_in_weights = 20.0;
-/// Shares by which an end is kept within its range, and over which the hinge bends.
+/// The share by which an end is kept within its range, and the share over which the hinge bends.
 constexpr double margin = 0.002;
 constexpr double smoothed_width = 0.002;
 
@@ -251,7 +251,7 @@ double turn(const Point& p, const Point& a, const Point& b) {
   return (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
 }
 
-/// Where the ray upward from the point passes through the triangle: the way that it faces, else 0.
+/// If the ray upward from the point passes through the triangle: the direction in which it faces, else 0.
 int passage(const Point& p, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   const std::array<double, 3> weights{turn(p, b, c), turn(p, c, a), turn(p, a, b)};
@@ -309,7 +309,7 @@ namespace {
 
 constexpr double drawn_in = 0.97;
 
-/// In the primitive's own frame, before its bend.
+/// The samples in the primitive's own frame, before its bend.
 std::array<Eigen::Vector3d, 7> unbent_samples_of(const Superquadric& solid) {
   // A taper moves the widest section along z and scales it (docs/mathematics.md §18, P of z = 0).
   const double taper = verify::taper_coefficient<double>(solid.taper);

@@ -1,4 +1,4 @@
-/// What is asked of a fit besides its objective: contact, size, constraints of the pose, sides.
+/// The requirements on a fit besides its objective: contact, size, constraints of the pose, sides.
 #pragma once
 
 #include <cstddef>
@@ -15,34 +15,34 @@
 
 namespace verisq::fit_search {
 
-// How large an implant's parts are.
+// The sizes of an implant's parts.
 
-/// To nearest, in cubes of the model unit. Proportional to each semi-axis.
+/// Rounded to nearest, in cubes of the model unit. Proportional to each semi-axis.
 [[nodiscard]] double volume(const Superquadric& solid);
 
-// Shares of the cavity's area that have to be in contact, as a term of the search's objective.
+// Shares of the cavity's area that must be in contact, as a term of the search's objective.
 
-/// A share is a sum over points: each counts from 1 to 0 as its distance grows past the contact's, smoothly within a
-/// tenth of the fitness' scale to either side. What is missing costs more than F could gain by it.
+/// A share is a sum over points. Each counts from 1 to 0 as its distance grows past the contact's distance, smoothly
+/// within a tenth of the fitness' scale to either side. A missing share costs more than F could gain by it.
 class ContactAim {
  public:
   ContactAim() = default;
-  /// `weight`: of all points of the cavity. The contacts must outlive it.
+  /// `weight` is that of all points of the cavity. The contacts must outlive this.
   ContactAim(std::span<const FitContact> contacts, double scale, double weight, const MakeEvaluator& make_evaluator);
 
-  /// The same with wider steps: points farther off tell where to go.
+  /// The same with wider steps: points farther off show the direction to go.
   [[nodiscard]] ContactAim widened(double factor) const;
   [[nodiscard]] bool asks() const { return !contacts_.empty(); }
 
-  /// What all contact that is missing costs at most.
+  /// An upper bound of the cost of all missing contact.
   [[nodiscard]] double most() const { return cost_ * static_cast<double>(contacts_.size()); }
-  /// The cost, negative, and its derivatives. Returns the shares that are missing, of all ranges.
+  /// Adds the cost, which is negative, and its derivatives. Returns the sum of the missing shares of all ranges.
   double add_to(Evaluation& evaluation, const Candidate& candidate) const;
 
  private:
   struct Contact {
     const FitContact* asked;
-    double weight;  ///< of all its points
+    double weight;  ///< weight of all its points
     std::shared_ptr<CandidateEvaluator> evaluator;
   };
 
@@ -55,20 +55,20 @@ class ContactAim {
   double cost_ = 0.0;
 };
 
-// What is asked of the pose itself, as the search sees it: how much is left to the ends of each range.
+// The requirements on the pose itself, as the search uses them: the distance to the ends of each range.
 
 /// A row for every finite end of a constraint's range.
 class PoseConstraints {
  public:
-  /// Of one implant of the series. Space and constraints must outlive it.
+  /// Constraints for one implant of the series. Space and constraints must outlive this.
   PoseConstraints(const CandidateSpace& space, std::span<const FitConstraint> constraints, std::size_t implant);
 
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
-  /// At least 0 where the end is kept, in the constraint's units.
+  /// At least 0 if the end is kept, in the constraint's units.
   [[nodiscard]] std::vector<double> slack(std::span<const double> parameters) const;
   /// Derivatives of the slack by all parameters, row by row: by central differences.
   [[nodiscard]] std::vector<double> jacobian(std::span<const double> parameters) const;
-  /// The sum of what is missing.
+  /// The sum of the amounts by which ends are missed.
   [[nodiscard]] double violation(std::span<const double> parameters) const;
 
  private:
@@ -88,13 +88,13 @@ class SizeAim {
  public:
   /// Sizes do not count.
   SizeAim() = default;
-  /// From the least sizes to the largest, the objective gains a hundred times the weight of all points: F, which is at
-  /// most that weight, decides where sizes differ by less than about a hundredth of their range.
+  /// From the least sizes to the largest, the objective gains a hundred times the weight of all points. F is at most
+  /// that weight, so it decides if sizes differ by less than about a hundredth of their range.
   SizeAim(const CandidateSpace& space, double weight);
 
-  /// What it adds at most.
+  /// An upper bound of the amount that it adds.
   [[nodiscard]] double most() const { return most_; }
-  /// What it adds for these sizes.
+  /// The amount that it adds for these sizes.
   [[nodiscard]] double value(std::span<const Primitive> primitives) const;
   /// The value and its derivatives by semi-axes.
   void add_to(Evaluation& evaluation, const Candidate& candidate) const;
@@ -105,10 +105,11 @@ class SizeAim {
   double per_size_ = 0.0;
 };
 
-// Whether points lie inside a closed surface, in floating point: fast enough for every pose that a search looks at.
+// A test whether points lie inside a closed surface, in floating point: fast enough for every pose that a search
+// evaluates.
 
-/// By rays along z, which meet the triangles of one column of a grid over the x-y plane alone. A ray that grazes an
-/// edge may be told wrongly: nothing is proven.
+/// By rays along z, which meet only the triangles of one column of a grid over the x-y plane. A ray that grazes an edge
+/// may give a wrong answer: nothing is proven.
 class InsideTest {
  public:
   /// The mesh, closed over its rims. Precondition: as closing_over_rims.
@@ -126,16 +127,16 @@ class InsideTest {
   std::vector<std::vector<std::uint32_t>> columns_;
 };
 
-// On which side of the cavity's surface the parts of an implant have to be, as the search sees it: by sample points.
+// The side of the cavity's surface on which each part of an implant must be, as the search uses it: by sample points.
 
 class SideRequirements {
  public:
-  /// Of an implant that may be anywhere.
+  /// Requirements for an implant that may be anywhere.
   SideRequirements() = default;
-  /// One a primitive. `inside` must outlive it.
+  /// One side for each primitive. `inside` must outlive this.
   SideRequirements(const InsideTest& inside, std::span<const SurfaceSide> required);
 
-  /// How many samples lie on the wrong side: the centres of primitives and the ends of their axes, drawn in a little.
+  /// The number of samples on the wrong side: the centres of primitives and the ends of their axes, drawn in a little.
   [[nodiscard]] std::size_t misplaced(const Candidate& candidate) const;
 
  private:
@@ -143,7 +144,7 @@ class SideRequirements {
   std::vector<SurfaceSide> required_;
 };
 
-// All that is asked of a candidate besides the limit of penetration.
+// All requirements on a candidate besides the limit of penetration.
 
 struct Requirements {
   SideRequirements sides;
@@ -151,10 +152,11 @@ struct Requirements {
   ContactAim contacts = {};
   SizeAim size = {};
 
-  /// What size and contact make of the objective at most.
+  /// An upper bound of the terms that size and contact add to the objective.
   [[nodiscard]] double most() const { return size.most() + contacts.most(); }
 
-  /// 0 where all but contact is kept: the samples misplaced, and what is missing of the constraints in their units.
+  /// 0 if all requirements but contact are kept; else the number of misplaced samples plus the constraints' violation
+  /// in their units.
   [[nodiscard]] double broken(std::span<const double> parameters, const Candidate& candidate) const {
     return static_cast<double>(sides.misplaced(candidate)) + constraints.violation(parameters);
   }

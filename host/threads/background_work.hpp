@@ -1,4 +1,4 @@
-/// Threads beside the caller's: which read ahead, work off what others leave, or are given up.
+/// Threads beside the caller's: they read ahead, process queued work, or are given up.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,14 @@
 
 namespace verisq {
 
-// Runs work that nothing can stop, such as a driver's compilation of kernels, in a thread of its own: whoever waits
-// for it can leave within a second.
+// Runs work that nothing can stop, such as a driver's compilation of kernels, in a thread of its own. So a waiting
+// thread can leave within a second.
 
 /// The threads whose work was given up: they go on. At its end the process waits for them, or leaves at once.
 class GivenUpThreads {
  public:
-  /// Made when the first is given up: its end comes before those of what was made earlier, as most of the driver.
+  /// Made when the first thread is given up. So it is destroyed before all objects that were made earlier, such as most
+  /// of the driver.
   static GivenUpThreads& all() {
     static GivenUpThreads threads;
     [[maybe_unused]] static const int registered = on_exit(leave, nullptr);
@@ -40,12 +41,12 @@ class GivenUpThreads {
     some_ = true;
   }
 
-  /// Where there are some, ends the process at once. For programs that have nothing left to do and to write.
+  /// If there are such threads, ends the process at once. For programs that have nothing left to do and to write.
   static void leave_unless_none(int status) {
     if (some_) std::_Exit(status);
   }
 
-  /// Programs whose `main` is not ours ask for the same at `exit`.
+  /// The same at `exit`, for programs whose `main` is not ours.
   static void leave_at_exit() { leaves_at_exit_ = true; }
 
   GivenUpThreads(const GivenUpThreads&) = delete;
@@ -90,8 +91,8 @@ class WorkThatMayBeGivenUp {
   WorkThatMayBeGivenUp(const WorkThatMayBeGivenUp&) = delete;
   WorkThatMayBeGivenUp& operator=(const WorkThatMayBeGivenUp&) = delete;
 
-  /// Waits for the result, which it returns once; nothing once `ended`, which may be empty, is true. It asks after half
-  /// a second, then five times a second. Throws what the work and `ended` throw.
+  /// Waits for the result, which it returns once; nothing once `ended`, which may be empty, returns true. It calls
+  /// `ended` after half a second, then five times a second. Throws the exceptions of the work and of `ended`.
   [[nodiscard]] std::optional<Result> result(const std::function<bool()>& ended) {
     for (std::chrono::milliseconds pause(500); !is_done(pause); pause = std::chrono::milliseconds(200)) {
       if (ended && ended()) return std::nullopt;
@@ -109,7 +110,7 @@ class WorkThatMayBeGivenUp {
   std::thread thread_;
 };
 
-// What one thread hands to another, in order, a few items at most under way.
+// Passes items from one thread to another, in order, a few items at most under way.
 
 /// Any number of threads may use it at once.
 template <class Item>
@@ -138,7 +139,7 @@ class BoundedQueue {
     return item;
   }
 
-  /// Whoever waits goes on; what is in the queue can still be popped.
+  /// Waiting threads continue; the items in the queue can still be popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -153,16 +154,16 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-// Items that are done with, kept for the memory that they hold: what is filled again needs no new pages.
+// Used items, kept for their memory: an item that is filled again needs no new pages.
 
 /// Any number of threads may use it at once.
 template <class Item>
 class SpareItems {
  public:
-  /// No more than `most` are kept.
+  /// Keeps at most `most` items.
   explicit SpareItems(std::size_t most) : most_(most) {}
 
-  /// One of those that were given back, as it was; a new one where there is none.
+  /// An item that was given back, unchanged; a new one if there is none.
   [[nodiscard]] Item take() {
     const std::lock_guard lock(mutex_);
     if (items_.empty()) return {};
@@ -182,11 +183,11 @@ class SpareItems {
   std::vector<Item> items_;
 };
 
-// A thread that reads while others work on what was read before.
+// A thread that reads while others process the elements read before.
 
 /// `Stream` has
-///   read(std::span<Element>): fills it from the front; returns how many, fewer than asked only at the end;
-///   fraction(done): the part of all elements that `done` finished ones make up, about; asked for all that were read.
+///   read(std::span<Element>): fills it from the front; returns how many, fewer than requested only at the end;
+///   fraction(done): about the share of all elements that `done` finished ones are; called for all elements read.
 /// It must outlive this, and nobody else may use it meanwhile. The destructor waits for a `read` under way.
 template <class Stream>
 class ReadAhead {
@@ -198,7 +199,7 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  /// As that of the stream; throws what that threw, after all elements that were read before.
+  /// Like `read` of the stream; throws its exceptions, after all elements that were read before.
   std::size_t read(std::span<Element> elements) {
     std::size_t count = 0;
     while (count < elements.size()) {
@@ -212,7 +213,7 @@ class ReadAhead {
     return count;
   }
 
-  /// As that of the stream, from what it told when the last chunk was read.
+  /// Like `fraction` of the stream, from its value when the last chunk was read.
   [[nodiscard]] double fraction(std::uint64_t done) const {
     if (chunk_.read == 0) return 0.0;
     return std::min(1.0, chunk_.fraction * (static_cast<double>(done) / static_cast<double>(chunk_.read)));
@@ -221,8 +222,8 @@ class ReadAhead {
  private:
   struct Chunk {
     std::vector<Element> elements;
-    std::uint64_t read = 0;  ///< with all before it
-    double fraction = 0.0;   ///< that these are
+    std::uint64_t read = 0;  ///< number of elements, with all before them
+    double fraction = 0.0;   ///< their share of all elements
     std::exception_ptr failure;
   };
 
@@ -268,7 +269,7 @@ class ReadAhead {
   std::jthread thread_;   // ends before what it uses
 };
 
-// A thread that works off what others leave it, in order, while they go on.
+// A thread that processes the items that others queue, in order, while they go on.
 
 template <class Item>
 class WorkBehind {
@@ -281,12 +282,12 @@ class WorkBehind {
   /// An item that was worked off, to be filled again; a new one where there is none.
   [[nodiscard]] Item spare() { return spare_.take(); }
 
-  /// Waits while much is left to be done. Throws what the work on an earlier item threw; then nothing more is done.
+  /// Waits while much is left to be done. Throws the exception of an earlier item's work; then nothing more is done.
   void add(Item item) {
     if (!queue_.push(std::move(item))) finish();
   }
 
-  /// Returns when all is done; throws likewise. Nothing may be added afterwards.
+  /// Returns when all is done; throws the same exception. Nothing may be added afterwards.
   void finish() {
     queue_.close();
     if (thread_.joinable()) thread_.join();

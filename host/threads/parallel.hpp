@@ -84,7 +84,7 @@ struct Piece {
 
 // An interruption that the calling thread alone asks about, and all threads see.
 
-/// Who gives `asked` may count on its being called by one thread: that which makes this, or began anew last.
+/// `asked` is called by one thread only: the one that made this, or that called `begin_anew` last.
 class SeenInterruption {
  public:
   /// Empty: never interrupted.
@@ -96,7 +96,7 @@ class SeenInterruption {
     return seen_;
   }
 
-  /// For the next work, of this thread. Precondition: nobody asks.
+  /// Prepares for the next work, of this thread. Precondition: no other thread uses this.
   void begin_anew() {
     owner_ = std::this_thread::get_id();
     seen_ = false;
@@ -108,11 +108,11 @@ class SeenInterruption {
   mutable std::atomic<bool> seen_{false};
 };
 
-// Independent work on all processors that ends early once interrupted; in steps, between which progress is told.
+// Independent work on all processors that ends early once interrupted; in steps, between which progress is reported.
 
-/// Calls work(i) for each i below `count`, in any order, by several threads. Once interrupted() no further call begins.
-/// Returns how many are done, from the front: those before the first that is not, or that the interruption may have cut
-/// short. The calling thread asks while it waits, too.
+/// Calls work(i) for each i below `count`, in any order, by several threads. Once interrupted() returns true, no
+/// further call begins. Returns how many are done, from the front: those before the first that is not done, or that the
+/// interruption may have cut short. The calling thread polls while it waits, too.
 template <class Interrupted, class Work>
 std::size_t in_parallel_until(const Interrupted& interrupted, std::size_t count, const Work& work) {
   std::atomic<std::size_t> done{count};
@@ -129,8 +129,8 @@ std::size_t in_parallel_until(const Interrupted& interrupted, std::size_t count,
   return done;
 }
 
-/// Calls work(i) once for each i below `count`, `step` of them at a time and in any order, and after each step
-/// progress(which part of all is done). Once interrupted no further call begins. Returns how many are done: those of
+/// Calls work(i) once for each i below `count`, `step` of them at a time and in any order. After each step calls
+/// progress(share of all that is done). Once interrupted, no further call begins. Returns how many are done: those of
 /// all whole steps.
 template <class Work, class Progress>
 std::size_t in_parallel_steps(std::size_t count, std::size_t step, const SeenInterruption& interrupted,

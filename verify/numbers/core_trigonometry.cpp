@@ -17,7 +17,7 @@ PreciseInterval both_ways(Operation operation, Operands... operands) {
   return {down, up};
 }
 
-/// Of a function with values in [-1, 1] and derivatives in [-1, 1].
+/// Encloses a function whose values and derivatives lie in [-1, 1].
 template <class Operation>
 PreciseInterval wave(Operation operation, const PreciseInterval& angle) {
   const PreciseInterval at_lower = both_ways(operation, angle.lower().get());

@@ -5,7 +5,7 @@
 
 namespace verisq::verify {
 
-/// Of thin intervals: as wide as the angle more than at its lower end.
+/// For thin intervals: the result is the value at the angle's lower end, widened by the width of the angle.
 [[nodiscard]] PreciseInterval sine_of(const PreciseInterval& angle);
 [[nodiscard]] PreciseInterval cosine_of(const PreciseInterval& angle);
 

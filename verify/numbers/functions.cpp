@@ -60,7 +60,7 @@ T directed(Operation operation, Direction direction, Operands... operands) {
   return from_mpfr(result, direction);
 }
 
-/// Of a function of one variable at a point.
+/// Encloses a function of one variable at a point.
 template <class T, class Operation>
 BasicInterval<T> enclosure(Operation operation, const T& a) {
   const Mpfr<T> operand(a);
@@ -92,8 +92,9 @@ bool is_even(const Real& integer) {
   return is_integer(divide(integer, Real(2), Direction::down));
 }
 
-/// A wave of period 2 pi whose maxima lie where `phase`, in half turns, is an even integer and whose minima where it is
-/// an odd one, from its range at the ends. `phase` may contain too much, which only widens the result.
+/// The range of a wave of period 2 pi over an interval, from its range at the ends. Its maxima lie where `phase`, in
+/// half turns, is an even integer, its minima where it is odd. `phase` may contain too much, which only widens the
+/// result.
 template <class T>
 BasicInterval<T> with_extrema(const BasicInterval<T>& at_ends, const PreciseInterval& phase) {
   const Real first = rounded_to_integer_above(phase.lower());
@@ -235,8 +236,8 @@ template BasicInterval<Real> cos_of_degrees(double);
 
 namespace {
 
-// Below, u = 2^-53 bounds the relative error of each operation: nothing here overflows, and what underflows (a squared
-// small number, a tiny logarithm) is added to 1.
+// Below, u = 2^-53 bounds the relative error of each operation. Nothing here overflows, and every number that
+// underflows (a squared small number, a tiny logarithm) is added to 1.
 
 constexpr double kRoundoff = 0x1p-53;
 
@@ -266,7 +267,7 @@ constexpr std::array<double, 14> kFactorialReciprocals = [] {
   return result;
 }();
 
-/// By Horner's rule, the highest coefficient first.
+/// The polynomial by Horner's rule, the highest coefficient first.
 template <std::size_t Size>
 double polynomial(const std::array<double, Size>& coefficients, double x) {
   double result = 0.0;
@@ -285,8 +286,9 @@ double natural_logarithm(double x) {
   // log f = 2 artanh s, |s| <= 0.1716. f - 1 is exact (Sterbenz); the sum and the quotient make 2 u of s, 5 u of s^2.
   const double s = (f - 1.0) / (f + 1.0);
   const double q = s * s;
-  // 1 + q/3 + ... + q^10/21; what follows is below q^11/23/(1 - q) < 1e-18. Positive terms: with q <= 0.0295 each stage
-  // passes on less than 0.03 (5 u + u + the error of the stage before), which leaves 1.5 u for the last one.
+  // 1 + q/3 + ... + q^10/21; the remaining terms are below q^11/23/(1 - q) < 1e-18. All terms are positive. With q <=
+  // 0.0295 each stage passes on less than 0.03 (5 u + u + the error of the stage before), which leaves 1.5 u for the
+  // last one.
   const double series = 1.0 + q * polynomial(kOddReciprocals, q);
   // 2 u + 1.5 u + u (the factor 2 is exact) < 5 u.
   const double log_f = 2.0 * s * series;
@@ -301,9 +303,10 @@ double natural_exponential(double t) {
   const double n = std::nearbyint(t * std::numbers::log2e);
   // |r| <= 0.35; each of the two roundings makes 0.35 u, together below u absolutely, hence u of the result.
   const double r = std::fma(-n, ln2_tail, std::fma(-n, std::numbers::ln2, t));
-  // Taylor to r^13; what follows is below 0.35^14 e^0.35 / 14! < 1e-17, 0.1 u. A stage 1/k! + r * next has an error
-  // a <= 1.2 u + 0.2 (u + a') + u of its value, a < 3 u, for k >= 2; with the exact 1 of k = 1, u + 0.2 (u + 3 u) < 2
-  // u; with that of k = 0, where |r * next| is at most 0.42 of the value, u + 0.42 (u + 2 u) < 2.3 u.
+  // Taylor's series to r^13; the remaining terms are below 0.35^14 e^0.35 / 14! < 1e-17, 0.1 u. A stage 1/k! + r * next
+  // has an error a <= 1.2 u + 0.2 (u + a') + u of its value, so a < 3 u, for k >= 2. The stage with the exact 1 of k =
+  // 1 has u + 0.2 (u + 3 u) < 2 u. The stage of k = 0, where |r * next| is at most 0.42 of the value, has u + 0.42 (u +
+  // 2 u) < 2.3 u.
   const double series = polynomial(kFactorialReciprocals, r);
   return std::ldexp(series, static_cast<int>(n));
 }
@@ -322,8 +325,9 @@ double fast_arctangent_quotient(double t, Direction direction) {
     factor *= 2.0 / c;
     t /= c;
   }
-  // What follows t^16/17 alternates and falls: below t^18/19 < 3e-18, 0.03 u. As q < 0.0157, 1 + q (...) has u of its
-  // own, 0.0053 (25 u + 6 u) from q and from the stages before: below 1.3 u. The product: u. 18 u in all.
+  // The terms after t^16/17 alternate and fall: together they are below t^18/19 < 3e-18, 0.03 u. As q < 0.0157, 1 + q
+  // (...) rounds by u itself, and 0.0053 (25 u + 6 u) come from q and from the stages before: below 1.3 u. The product
+  // rounds by u. In all: 18 u.
   const double q = t * t;
   const double quotient = factor * (1.0 + q * polynomial(kAlternatingReciprocals, q));
   // 2 u for the roundings of this line.

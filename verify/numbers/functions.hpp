@@ -31,7 +31,7 @@ template <mpfr_prec_t Bits>
   return rounded_result<Bits>(mpfr_log1p, direction, a.get());
 }
 
-// As the powers of verify/numbers/real.hpp.
+// The same contract as the powers of verify/numbers/real.hpp.
 
 [[nodiscard]] double exponential(double a, Direction direction);
 [[nodiscard]] double logarithm(double a, Direction direction);
@@ -66,7 +66,8 @@ template <class T>
 
 // Templates over the type of the ends: double or Real. Nothing here throws.
 
-/// The extrema within the interval are counted, not assumed; beyond 2^60, or where the interval is wide, [-1, 1].
+/// The extrema within the interval are counted, not assumed. Beyond 2^60, or for a wide interval, the result is [-1,
+/// 1].
 template <class T>
 [[nodiscard]] BasicInterval<T> sin(const BasicInterval<T>& angle);
 template <class T>
@@ -83,15 +84,16 @@ template <class T>
 template <class T>
 [[nodiscard]] BasicInterval<T> arctangent_quotient(const BasicInterval<T>& a);
 
-/// The angles in (-pi, pi] of all points (x, y) of two intervals, from the positive x axis: [-pi, pi] where they meet
-/// the cut, the negative x axis, from below; within [0, pi] for y >= 0. The origin has none; of it alone, [0, pi].
+/// The angles in (-pi, pi] of all points (x, y) of two intervals, from the positive x axis. The result is [-pi, pi] if
+/// the points meet the cut, the negative x axis, from below; it lies within [0, pi] for y >= 0. The origin has no
+/// angle; if it is the only point, the result is [0, pi].
 template <class T>
 [[nodiscard]] BasicInterval<T> polar_angle(const BasicInterval<T>& x, const BasicInterval<T>& y);
 
 template <class T>
 [[nodiscard]] BasicInterval<T> pi();
 
-/// Of an exact angle in degrees: exact at multiples of 90. Precondition: finite.
+/// The sine and the cosine of an exact angle in degrees: exact at multiples of 90. Precondition: finite.
 template <class T>
 [[nodiscard]] BasicInterval<T> sin_of_degrees(double degrees);
 template <class T>

@@ -34,7 +34,7 @@ struct DirectedRounding {
   static T sqrt_up(const T& a) { return square_root(a, Direction::up); }
 };
 
-/// Boost.Interval's checking policy: what is not an interval of real numbers is refused, never stored.
+/// Boost.Interval's checking policy: anything that is not an interval of real numbers is refused, never stored.
 template <class T>
 struct ThrowingChecking {
   static T pos_inf() { return infinity; }
@@ -52,9 +52,9 @@ struct ThrowingChecking {
 };
 
 /// The real numbers between two ends of type T; an infinite end is a missing bound. Every operation returns an interval
-/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, and where an operation has no
-/// result: for division by [0, 0], for the root of negative numbers alone, for powers as `pow` says. Wraps
-/// Boost.Interval, whose converting constructor template makes Eigen's products ambiguous.
+/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, and for an operation without a
+/// result: division by [0, 0], the root of negative numbers alone, powers as `pow` says. Wraps Boost.Interval, whose
+/// converting constructor template makes Eigen's products ambiguous.
 template <class T>
 class BasicInterval {
  public:
@@ -91,11 +91,12 @@ class BasicInterval {
   friend BasicInterval abs(const BasicInterval& a) { return BasicInterval(boost::numeric::abs(a.value_)); }
   /// Tighter than a * a, which knows nothing of the dependency.
   friend BasicInterval square(const BasicInterval& a) { return BasicInterval(boost::numeric::square(a.value_)); }
-  /// Of the part of `a` that is not negative.
+  /// The root of the part of `a` that is not negative.
   friend BasicInterval sqrt(const BasicInterval& a) { return BasicInterval(boost::numeric::sqrt(a.value_)); }
 
-  /// base^exponent. Of a base that reaches below 0, integer powers alone are defined: std::domain_error unless the
-  /// exponent is one integer. 0^0 = 1; a negative power of 0 is none: std::domain_error where there is no other.
+  /// base^exponent. For a base that reaches below 0 only integer powers are defined: throws std::domain_error unless
+  /// the exponent is one integer. 0^0 = 1. A negative power of 0 does not exist: throws std::domain_error if the
+  /// interval has no other power.
   friend BasicInterval pow(const BasicInterval& base, const BasicInterval& exponent) {
     const T zero(0);
     if (base.lower() >= zero) return power_of_nonnegative(base, exponent);

@@ -31,7 +31,7 @@ inline const std::array limits_made_before_threads{
     std::numeric_limits<FiftyDigits>::infinity(), std::numeric_limits<FiftyDigits>::epsilon(),
     (std::numeric_limits<FiftyDigits>::min)(), (std::numeric_limits<FiftyDigits>::max)()};
 
-/// To nearest.
+/// Rounds to nearest.
 [[nodiscard]] inline Real to_real(const FiftyDigits& x) {
   Real result;
   mpfr_set(result.get(), x.backend().data(), MPFR_RNDN);
@@ -60,7 +60,7 @@ struct PlanarNorm {
 
 /// Precondition: large > 0, small >= 0; k = q - 1. With t = small / large and N the norm,
 ///     N = large (1 + t^q)^(1/q),   dN/dlarge = (large / N)^k = (N / large) / (1 + t^q),   dN/dsmall = t^k dN/dlarge.
-/// These identities hold in either order of the two: "large" only avoids overflow.
+/// These identities hold in either order of the two numbers: "large" only avoids overflow.
 template <class Number>
 [[nodiscard]] PlanarNorm<Number> planar_norm(const Number& large, const Number& small, const Number& k) {
   using std::pow;
@@ -129,7 +129,7 @@ struct RootEquation {
   }
 };
 
-/// By Newton's method, which ascends from where f is not negative. Precondition: section > 0.
+/// The root by Newton's method, which ascends from a start where f is not negative. Precondition: section > 0.
 template <class Float>
 [[nodiscard]] Float root_of(const RootEquation<Float>& equation) {
   const auto& [section, height, k, excess] = equation;
@@ -144,9 +144,9 @@ template <class Float>
   return root;
 }
 
-/// The roots for all numbers of the intervals: about one of them, τ, by f(τ) and f's slopes, first any that it can
-/// have, then those between τ and the roots that these leave (mean value theorem). Throws std::domain_error where
-/// section may be 0.
+/// The roots for all numbers of the intervals, found about one of them, τ, by f(τ) and f's slopes (mean value theorem).
+/// First all possible slopes serve, then only those between τ and the roots that the first step leaves. Throws
+/// std::domain_error if section may be 0.
 [[nodiscard]] inline PreciseInterval root_of(const RootEquation<PreciseInterval>& equation) {
   const auto middle = [](const PreciseInterval& x) {
     return FiftyDigits((to_fifty_digits(x.lower()) + to_fifty_digits(x.upper())) / 2);
@@ -310,7 +310,7 @@ class NormFunction {
     if constexpr (is_interval<Number>) {
       return exact(e);
     } else {
-      // As near to 2 as the digits of t^(e / (2 - e)) allow.
+      // The largest value below 2 for which t^(e / (2 - e)) still has enough digits.
       constexpr double largest = std::is_floating_point_v<Number> ? 2.0 - 1e-7 : 2.0 - 0x1p-52;
       return exact(std::clamp(e, 1e-9, largest));
     }
@@ -329,7 +329,7 @@ class NormFunction {
 
   Kind kind_;
   bool tapered_;
-  Number k_;     ///< of the taper
+  Number k_;     ///< the taper's k
   Number tilt_;  ///< k / a3
   Number fall_;  ///< 1 - k²
   std::array<Number, 3> weights_;

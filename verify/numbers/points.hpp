@@ -11,13 +11,13 @@
 
 namespace verisq::verify {
 
-// Whether a point has three finite coordinates.
+// Finiteness of a point's three coordinates.
 
 [[nodiscard]] inline bool is_finite(const Point& x) {
   return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
 }
 
-// How large the numbers of points are: what roundings are in proportion to.
+// The largest magnitude among the numbers of points: roundings are in proportion to it.
 
 /// Precondition: finite.
 [[nodiscard]] inline double largest_coordinate(const Point& point) {
@@ -26,7 +26,7 @@ namespace verisq::verify {
   return largest;
 }
 
-/// The largest of all points, such as a triangle's corners; likewise.
+/// The largest coordinate of all points, such as a triangle's corners. Precondition: finite.
 [[nodiscard]] inline double largest_coordinate(std::span<const Point> points) {
   double largest = 0.0;
   for (const Point& point : points) largest = std::max(largest, largest_coordinate(point));

@@ -42,7 +42,7 @@ class MpfrNumber {
   [[nodiscard]] mpfr_ptr get() { return value_; }
 
   [[nodiscard]] double to_double(Direction direction) const { return mpfr_get_d(value_, mpfr_rounding(direction)); }
-  /// To nearest: for floating-point proposals, never for bounds.
+  /// Rounds to nearest: for floating-point proposals, never for bounds.
   [[nodiscard]] long double to_long_double() const { return mpfr_get_ld(value_, MPFR_RNDN); }
 
   friend MpfrNumber operator-(const MpfrNumber& a) {
@@ -121,8 +121,9 @@ template <mpfr_prec_t Bits>
   return rounded_result<Bits>(mpfr_pow, direction, unsigned_base.get(), exponent.get());
 }
 
-/// Binary64 has no directed elementary functions of its own: MPFR at 53 bits, then to binary64 in the same direction
-/// (exact but for overflow and underflow, where rounding twice in one direction is rounding once).
+/// The power at binary64, which has no directed elementary functions of its own: MPFR at 53 bits, then to binary64 in
+/// the same direction. The second step is exact but for overflow and underflow, where rounding twice in one direction
+/// is rounding once.
 [[nodiscard]] double power(double base, double exponent, Direction direction);
 
 }  // namespace verisq::verify

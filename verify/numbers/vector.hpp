@@ -11,7 +11,8 @@ namespace verisq::verify {
 
 // Vectors and matrices of three dimensions whose components are intervals.
 
-// T is the type of the ends: double or Real. As those of intervals, every operation contains all exact results.
+// T is the type of the ends: double or Real. Like the operations of intervals, every operation contains all exact
+// results.
 
 template <class T>
 class Vector3 {

@@ -22,10 +22,10 @@ using verify::PoseCell;
 
 namespace {
 
-/// Of boxes whose bound is above the claim, because whoever divided them found other balls or half-spaces than we do:
-/// so few are halved further, by so many levels.
+/// For boxes whose bound is above the claim, because the author of the divisions found other balls or half-spaces:
+/// `few_of` boxes are halved further, by so many levels.
 constexpr std::size_t levels_of_few = 6;
-/// Twice as many balls have indices.
+/// A limit so that the tree's balls, twice as many, have indices.
 constexpr std::size_t most_points = std::size_t{1} << 30U;
 constexpr std::size_t few_of(std::size_t boxes) {
   return 16 + boxes / 64;
@@ -88,7 +88,7 @@ verify::BoundedObjective objective_of(std::span<const Point> points, const Clear
   return {terms.fitness, terms.penetration_limit, verify::weighted_balls(weighted)};
 }
 
-/// Those that are not halved; nothing where the divisions are not those of one range.
+/// The cells that are not halved; nothing if the divisions are not the divisions of one range.
 std::optional<std::vector<PoseCell>> undivided(std::span<const PoseDivision> divisions) {
   std::vector<PoseCell> result;
   std::vector<PoseCell> open{PoseCell{}};
@@ -110,7 +110,7 @@ std::optional<std::vector<PoseCell>> undivided(std::span<const PoseDivision> div
   return result;
 }
 
-/// Of a cell with all of its parts in preorder, halved until each is bounded by `enough`.
+/// Halves a cell until each part is bounded by `enough`; lists all parts in preorder.
 class Refinement {
  public:
   Refinement(const std::function<BoxBound(const PoseCell&)>& bound, double enough,
@@ -139,7 +139,7 @@ class Refinement {
     for (const PoseCell& half : cell.halves(*direction)) divide(half, further - 1);
   }
 
-  /// Nothing where the cell needs no halving, or has none.
+  /// The direction in which to halve; nothing if the cell needs no halving, or cannot be halved.
   [[nodiscard]] std::optional<std::size_t> widest(const PoseCell& cell, const BoxBound& found) const {
     if (found.upper <= enough_) return std::nullopt;
     const auto direction = static_cast<std::size_t>(std::ranges::max_element(found.spread) - found.spread.begin());
@@ -181,7 +181,7 @@ struct BestFitChecker::State {
 
   [[nodiscard]] double all_weights() const { return objective.balls.front().weight; }
 
-  /// What no interval can hold is not bounded.
+  /// A bound that no interval can hold is no bound: the result is the sum of all weights.
   [[nodiscard]] BoxBound bound(std::size_t implant, const PoseCell& cell) const {
     try {
       const BoxBound found = (*bounds[implant])(cell);

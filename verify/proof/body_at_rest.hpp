@@ -18,11 +18,11 @@ namespace verisq::verify {
 
 // Functions of several variables with all of their first derivatives, at 127 bits: forward-mode differentiation.
 
-/// Over a box of the variables `value` contains all values, and `by[k]` all partial derivatives. Throws as intervals
-/// do.
+/// Over a box of the variables `value` contains all values, and `by[k]` all partial derivatives by variable k. Throws
+/// like intervals.
 struct Differentiated {
   PreciseInterval value = 0;
-  std::vector<PreciseInterval> by = {};  ///< one a variable; empty: a constant
+  std::vector<PreciseInterval> by = {};  ///< one for each variable; empty: a constant
 
   Differentiated() = default;
   Differentiated(double constant) : value(Real(constant)) {}  // NOLINT(google-explicit-constructor): a constant is one
@@ -94,7 +94,7 @@ struct Differentiated {
   return a * sqrt(abs(a));
 }
 
-/// Whether it is 0, and constant.
+/// Returns whether the number is 0, and constant.
 [[nodiscard]] inline bool is_zero(const PreciseInterval& a) {
   return a.lower() == Real(0) && a.upper() == Real(0);
 }
@@ -102,16 +102,16 @@ struct Differentiated {
   return a.by.empty() && is_zero(a.value);
 }
 
-// The body that is to stand, and by what numbers its postures are told.
+// The body that is to stand, and the numbers that describe its postures.
 
-/// A posture is the reference point's height, and then the positions of the joints sought.
+/// A posture consists of the reference point's height and then the positions of the sought joints.
 struct StandingBody {
   const stance::Model& model;
   stance::JointControl control;
   std::vector<std::uint32_t> uncertain;  ///< parameters of the model
-  Point reference;                       ///< in the root's frame; any will do, ranges are narrow next to the ground
-  std::vector<std::size_t> joints;       ///< sought
-  std::vector<double> stiffness;         ///< of all joints
+  Point reference;  ///< in the root's frame; any point is valid, ranges are narrow for points next to the ground
+  std::vector<std::size_t> joints;  ///< sought
+  std::vector<double> stiffness;    ///< of all joints
 
   [[nodiscard]] std::size_t unknowns() const { return joints.size() + 1; }
 };
@@ -120,11 +120,12 @@ struct StandingBody {
 [[nodiscard]] StandingBody standing_body(const stance::Model& model, stance::JointControl control,
                                          stance::UncertainSet uncertain, const Point& reference);
 
-// What holds a body at rest on the ground, as functions of its posture and its parameters: the statics of a tree of
-// rigid bodies, by each load's lever about each joint (docs/stance.md §7).
+// The loads that hold a body at rest on the ground, as functions of its posture and its parameters: the statics of a
+// tree of rigid bodies, by each load's lever about each joint (docs/stance.md §7).
 
-// T is PreciseInterval or Differentiated. Axes are the world's, y upward; places are seen from the reference point, a
-// point of the root next to the ground: levers and heights then change by no more than what turns about the feet.
+// T is PreciseInterval or Differentiated. Axes are the world's, y upward. Places are relative to the reference point, a
+// point of the root next to the ground: levers and heights then change by no more than the parts that turn about the
+// feet.
 
 template <class T>
 struct Posture {
@@ -134,13 +135,13 @@ struct Posture {
 
 template <class T>
 struct BodyAtRest {
-  T force;                      ///< all vertical forces together, N: 0 in equilibrium
-  T moment_z, moment_x;         ///< of them about the reference point, about z and -x, N m: likewise
+  T force;               ///< all vertical forces together, N: 0 in equilibrium
+  T moment_z, moment_x;  ///< moments of these forces about the reference point, about z and -x, N m: 0 in equilibrium
   std::vector<T> penetrations;  ///< of all points, m
   std::vector<T> forces;        ///< of the ground on all cylinders, N
   T pressure_x, pressure_z;     ///< in equilibrium, the centre of pressure, in the world, m
   T height_of_root;             ///< the root's translation along y, m
-  std::vector<T> torques;       ///< that hold the joints, N m or N; 0 of the root's
+  std::vector<T> torques;       ///< torques that hold the joints, N m or N; 0 for the root's joints
 };
 
 namespace at_rest {
@@ -190,7 +191,7 @@ struct Frame {
   }
   [[nodiscard]] Vector<T> point(const Vector<T>& in_frame) const { return sum(origin, direction(in_frame)); }
 
-  /// By an angle about one of its axes.
+  /// The frame turned by an angle about one of its axes.
   [[nodiscard]] Frame turned(std::size_t axis, const T& angle) const {
     const T c = cos(angle);
     const T s = sin(angle);
@@ -231,7 +232,7 @@ class Skeleton {
   Skeleton(const stance::Model& model, const std::vector<T>& parameters, const std::vector<T>& joints,
            const Point& reference)
       : model_(model), root_(Frame<T>::at(exact<T>({0.0, 0.0, 0.0}))) {
-    // In the root's frame first: intervals of its own rotation then meet each place once.
+    // Places are computed in the root's frame first: intervals of the root's own rotation then meet each place once.
     std::size_t joint = 0;
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       const stance::Body& body = model.bodies[i];
@@ -268,17 +269,17 @@ class Skeleton {
     }
   }
 
-  /// Of a point of a body.
+  /// The place of a point of a body.
   [[nodiscard]] Vector<T> place(std::size_t body, const Vector<T>& in_body) const {
     return root_.direction(frames_[body].point(in_body));
   }
   [[nodiscard]] Vector<T> direction(std::size_t body, const Vector<T>& in_body) const {
     return root_.direction(frames_[body].direction(in_body));
   }
-  /// From the root's origin to the reference point.
+  /// The vector from the root's origin to the reference point.
   [[nodiscard]] Vector<T> of_root(const Point& reference) const { return root_.direction(exact<T>(reference)); }
 
-  /// What holds each joint against the loads on the bodies that it carries.
+  /// The torque that holds each joint against the loads on the bodies that it carries.
   [[nodiscard]] std::vector<T> holding(const std::vector<Load<T>>& loads) const {
     std::vector<T> torques(model_.degrees_of_freedom(), T(PreciseInterval(0)));
     for (const Load<T>& load : loads) {
@@ -319,7 +320,7 @@ struct Sum {
   }
 };
 
-/// In the world, by the file's translations.
+/// The root's origin in the world, by the file's translations.
 template <class T>
 [[nodiscard]] Vector<T> origin_of_root(const stance::Model& model, const std::vector<T>& parameters) {
   const stance::Body& root = model.bodies.front();
@@ -333,8 +334,8 @@ template <class T>
 
 }  // namespace at_rest
 
-/// The weights, the applied force's vertical part at t = 0 and the cylinders' elastic forces act; a point above the
-/// ground is pulled down, as if the cylinder stuck to it: who says that a body stands proves that all points press.
+/// The weights, the applied force's vertical part at t = 0 and the cylinders' elastic forces act. A point above the
+/// ground is pulled down, as if the cylinder stuck to it: a proof that a body stands must prove that all points press.
 /// Preconditions: a posture of all joints, all parameters; bodies behind their parents, the root alone without one,
 /// translated before it is turned; exponents 1 or 1.5. Throws std::domain_error for a cylinder that stands upright.
 template <class T>
@@ -379,7 +380,8 @@ template <class T>
     carried.add(loads.back());
   }
   result.torques = skeleton.holding(loads);
-  // On the root, at the point that its translations carry from the world's origin: `offset` before the root's origin.
+  // The force acts on the root, at the point that its translations carry from the world's origin: `offset` before the
+  // root's origin.
   const Vector<T> offset = values_of(model.bodies.front().offset, parameters);
   const Vector<T> to_reference = skeleton.of_root(reference);
   carried.add({0,
@@ -389,7 +391,8 @@ template <class T>
   result.moment_z = ground.moment_z + carried.moment_z;
   result.moment_x = ground.moment_x + carried.moment_x;
   const Vector<T> origin = origin_of_root(model, parameters);
-  // In equilibrium the ground's forces and moments are those that it carries, which stiffness has no part in.
+  // In equilibrium the ground's forces and moments equal the forces and moments that it carries; stiffness has no part
+  // in them.
   result.pressure_x = origin[0] + to_reference[0] + carried.moment_z / carried.force;
   result.pressure_z = origin[2] + to_reference[2] + carried.moment_x / carried.force;
   result.height_of_root = posture.height - to_reference[1] - offset[1];

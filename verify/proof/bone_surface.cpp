@@ -1,5 +1,5 @@
-/// Triangles that a direction separates from a cube do not meet it; where one or two of them do, which part it from
-/// side to side, their planes tell the part of the bone (docs/mathematics.md §23).
+/// Triangles that a direction separates from a cube do not meet it. If one or two triangles do, and cut the cube from
+/// side to side, their planes bound the part of the bone (docs/mathematics.md §23).
 #include "verify/proof/bone_surface.hpp"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ Interval reach(const Cube& cube, const Vector& direction) {
   return (abs(direction[0]) + abs(direction[1]) + abs(direction[2])) * Interval(cube.half_width);
 }
 
-/// Whether all of the triangle is proven to lie farther along the direction, or against it, than the cube.
+/// Returns whether all of the triangle is proven to lie farther along the direction, or against it, than the cube.
 bool separates(const Vector& direction, const Cube& cube, const Triangle& triangle) {
   const double beyond = reach(cube, direction).upper();
   bool above = true;
@@ -51,7 +51,7 @@ bool separates(const Vector& direction, const Cube& cube, const Triangle& triang
   return above || below;
 }
 
-/// By coordinates: exact but for the cube's sides, which are rounded outward.
+/// Compares coordinates: exact but for the cube's sides, which are rounded outward.
 bool boxes_are_apart(const Cube& cube, const Triangle& triangle) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto [low, high] = std::minmax({triangle[0][i], triangle[1][i], triangle[2][i]});
@@ -61,8 +61,8 @@ bool boxes_are_apart(const Cube& cube, const Triangle& triangle) {
   return false;
 }
 
-/// By a plane along a face of one of them, or along an edge of each: if none separates two convex polyhedra they meet.
-/// That they do is not proven here, nor needed.
+/// Tries planes along a face of either polyhedron, or along an edge of each: if none separates two convex polyhedra,
+/// they meet. A meeting is neither proven here nor needed.
 bool may_meet(const Cube& cube, const Triangle& triangle) {
   if (boxes_are_apart(cube, triangle)) return false;
   if (separates(outward_normal(triangle), cube, triangle)) return false;
@@ -77,7 +77,8 @@ bool may_meet(const Cube& cube, const Triangle& triangle) {
   return true;
 }
 
-/// Whether all of the cube is proven to lie on the triangle's side of the plane through this edge and the normal.
+/// Returns whether all of the cube is proven to lie on the triangle's side of the plane through this edge and the
+/// normal.
 bool lies_within_edge(const Cube& cube, const Triangle& triangle, const Vector& normal, std::size_t k) {
   const Vector inward = cross(normal, way(triangle[k], triangle[(k + 1) % 3]));
   const Interval at_centre = inward.dot(way(triangle[k], cube.centre));
@@ -86,7 +87,7 @@ bool lies_within_edge(const Cube& cube, const Triangle& triangle, const Vector& 
 
 struct SharedEdge {
   std::size_t of_a;  ///< the corner that begins it
-  std::size_t of_b;  ///< likewise, in the other direction
+  std::size_t of_b;  ///< the corner that begins the edge, in the other direction
 };
 
 std::optional<SharedEdge> shared_edge_of(const Triangle& a, const Triangle& b) {
@@ -96,11 +97,11 @@ std::optional<SharedEdge> shared_edge_of(const Triangle& a, const Triangle& b) {
   return std::nullopt;
 }
 
-/// Places to look from, in half-widths from the centre: where one of them lies on the surface another may not.
+/// Viewpoints, in half-widths from the centre: if one of them lies on the surface, another may not.
 constexpr std::array<Point, 4> places_to_look_from{
     {{0, 0, 0}, {0.37, -0.21, 0.43}, {-0.55, 0.31, 0.13}, {0.19, 0.67, -0.59}}};
 
-/// Nothing where rounding may put it out of the cube.
+/// Nothing if rounding may move the point out of the cube.
 std::optional<Point> place_at(const Cube& cube, const Point& at) {
   Point place;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -134,8 +135,8 @@ CornerHeights heights_above(const Cube& cube, const Point& point, const Vector& 
   return linear_heights(normal.dot(way(point, cube.centre)), normal * Interval(cube.half_width));
 }
 
-/// What lies behind one triangle, or behind two with a common edge: behind both where they are convex, behind one of
-/// them at least where they are not. Undecided, it is between those.
+/// The region behind one triangle, or behind two with a common edge. It lies behind both triangles if they are convex,
+/// behind at least one of them if they are reflex. If that is undecided, it is between those two regions.
 struct BoundingSurface::Wedge {
   enum class Shape : std::uint8_t { convex, reflex, undecided };
   std::vector<CornerHeights> heights;
@@ -179,7 +180,7 @@ BoundingSurface::Piece BoundingSurface::piece(const Cube& cube, const std::vecto
   return piece;
 }
 
-/// Where it winds the other way round than it is oriented, nobody says what is meant.
+/// If the surface winds in the sense opposite to its orientation, its meaning is undefined.
 BoundingSurface::Answer BoundingSurface::is_bone(int winding) const {
   const bool bone_is_inside = side_ == BoneSide::inside;
   if (winding == 0) return bone_is_inside ? Answer::no : Answer::yes;
@@ -243,9 +244,9 @@ void BoundingSurface::restrict_by_one(BracketedPart& part, const Cube& cube, con
   restrict_to_side(part, winding_behind, {{heights_above(cube, triangle[0], normal)}, Wedge::Shape::convex});
 }
 
-/// In the cube they are the two half-planes of a wedge, as no other edge of theirs bounds them there. It is convex
-/// where the third corner of one lies behind the other; whether it is or not, it holds what lies behind both, and
-/// nothing that lies behind none.
+/// In the cube the two triangles are the half-planes of a wedge, as no other edges bound them there. The wedge is
+/// convex if the third corner of one lies behind the other. Convex or not, it contains every point behind both, and no
+/// point behind neither.
 void BoundingSurface::restrict_by_two(BracketedPart& part, const Cube& cube, const Piece& piece) const {
   const Triangle& a = surface_.triangles()[piece.triangles[0]];
   const Triangle& b = surface_.triangles()[piece.triangles[1]];

@@ -17,29 +17,29 @@ namespace verisq::verify {
 /// Immutable: safe to ask from many threads.
 class BoundingSurface {
  public:
-  /// Closes it over its rims. Throws Error(input) unless it is finite and then run through along each edge as often one
-  /// way as the other, and encloses a volume that is proven not to be 0. Precondition: triangles of vertices that are
-  /// there.
+  /// Closes the surface over its rims. Throws Error(input) unless it is finite and every edge of the closed surface is
+  /// run through as often one way as the other. Also throws unless it encloses a volume that is proven not to be 0.
+  /// Precondition: triangles of existing vertices.
   explicit BoundingSurface(const BoneSurface& surface) : BoundingSurface(surface, closing_over_rims(surface.mesh)) {}
 
   [[nodiscard]] std::size_t rims() const { return rims_; }
   [[nodiscard]] const ClosedSurface& closed() const { return surface_; }
 
-  /// What is known of a cube.
+  /// The facts known about a cube.
   struct Piece {
-    std::vector<std::uint32_t> triangles;  ///< no others meet the cube
-    Point place{};                         ///< in the cube
+    std::vector<std::uint32_t> triangles;  ///< a point in the cube
+    Point place{};                         ///< the winding number at `place`
     std::optional<int> winding = {};       ///< there
   };
 
   [[nodiscard]] Piece piece(const Cube& cube) const;
-  /// Of a cube in the one that `whole` is of: the same, at less cost.
+  /// The piece of a cube within the cube of `whole`: the same result, at less cost.
   [[nodiscard]] Piece piece(const Cube& cube, const Piece& whole) const;
 
-  /// Whether no bone lies in the cube, on this side of this surface.
+  /// Returns whether no bone lies in the cube, on this side of this surface.
   [[nodiscard]] bool leaves_nothing(const Piece& piece) const;
 
-  /// Adds that points are on the bone's side.
+  /// Adds the restriction that points are on the bone's side.
   void restrict(BracketedPart& part, const Cube& cube, const Piece& piece) const;
 
  private:

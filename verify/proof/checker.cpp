@@ -1,4 +1,4 @@
-/// Checks rows of maps; and what a check says where two proofs contradict each other.
+/// Checks rows of maps, and defines the report of a check when two proofs contradict each other.
 #include "verisq/checker.hpp"
 
 #include <algorithm>
@@ -86,7 +86,7 @@ std::uint64_t size_of(int level) {
   return std::uint64_t{1} << static_cast<unsigned>(3 * (deepest_octree_level - level));
 }
 
-/// How many cubes of the deepest level come before it, eight siblings after each other.
+/// The number of cubes of the deepest level before this one; eight siblings follow each other.
 std::uint64_t order_of(const OctreeCube& cube) {
   std::uint64_t order = 0;
   for (unsigned bit = 0; bit < 60; ++bit) order |= (cube.position[bit % 3] >> bit / 3 & std::uint64_t{1}) << bit;
@@ -127,7 +127,7 @@ void require_exact_corners(const OctreeRoot& root, std::span<const OctreeCube> c
 }  // namespace
 
 struct OctreeChecker::State {
-  /// What is left white between one place in the order and another, in the largest cubes that fit.
+  /// Adds white cubes between two places in the order: the largest cubes that fit.
   void leave_white(std::uint64_t at, std::uint64_t next) {
     for (int level = 0; at < next; at += size_of(level)) {
       for (level = 0; at % size_of(level) != 0 || size_of(level) > next - at;) ++level;
@@ -143,7 +143,7 @@ struct OctreeChecker::State {
     }
   }
 
-  /// Whether all spheres about primitives lie in the ball of this radius about the root's centre.
+  /// Returns whether all spheres about primitives are proven to lie in the ball of this radius about the root's centre.
   [[nodiscard]] bool reaches_no_farther(double radius) const {
     const auto is_near = [&](const auto& solid) {
       const PreciseInterval reach = length<Real>(PreciseVector(solid.motion().translation - centre)) + solid.radius();

@@ -37,7 +37,7 @@ void count(AreaClearance& area, const Enclosure& distance, const Enclosure& serv
     ++area.undecided;
 }
 
-/// Of the numbers, the least that at least `percent` of them do not exceed: the nearest rank. Precondition: not empty.
+/// The least number that at least `percent` of the numbers do not exceed: the nearest rank. Precondition: not empty.
 double percentile(std::vector<double> numbers, std::size_t percent) {
   const std::size_t rank = (numbers.size() * percent + 99) / 100;
   const auto place = numbers.begin() + static_cast<std::ptrdiff_t>(rank) - 1;
@@ -100,7 +100,7 @@ Clearance ClearanceSum::report() const {
 
 namespace {
 
-/// Of `points`, as many as are proven to be of a kind at least, and but for those that are proven not to be at most.
+/// The number of `points` of a kind: at least those proven to be of it, at most all but those proven not to be of it.
 Enclosure number_of(std::uint64_t points, std::uint64_t proven, std::uint64_t proven_not) {
   return {static_cast<double>(proven), static_cast<double>(points - proven_not)};
 }
@@ -205,11 +205,11 @@ double slope(const Fitness& fitness, double distance) {
   return (of_serving - 2.0 * inside) / fitness.scale;
 }
 
-// f rises up to the target and falls beyond it. With t = target >= 0: the first term of f falls as |d - t| rises; the
-// second rises with d and is 0 for d >= 0, hence constant for d >= t. So both rise on d <= t, and on d >= t the first
-// falls while the second stays 0. Over [lo, hi] the largest value of f is therefore at the number of the interval that
-// is nearest to t, the smallest at one of the ends; the three are binary64 numbers, no rounding is needed to find them.
-// f <= 1 everywhere; it falls to minus infinity as d does and to 0 as d rises to infinity.
+// f rises up to the target and falls beyond it. With t = target >= 0: the first term of f falls as |d - t| rises. The
+// second rises with d and is 0 for d >= 0, hence constant for d >= t. So both rise on d <= t; on d >= t the first falls
+// while the second stays 0. Over [lo, hi] the largest value of f is therefore at the number of the interval that is
+// nearest to t, the smallest at one of the ends. The three are binary64 numbers, no rounding is needed to find them. f
+// <= 1 everywhere; it falls to minus infinity as d does and to 0 as d rises to infinity.
 Enclosure value(const Fitness& fitness, const Enclosure& distance) {
   const auto& [lo, hi] = distance;
   if (!(lo <= hi)) return {-infinity, 1.0};  // not an interval: nothing is known of the distance

@@ -1,4 +1,4 @@
-/// What distances say together: sums, fitness, shares.
+/// Joint statements of many distances: sums, fitness, shares.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace verisq {
 
-/// Distances in the order of the points; the report is of those added so far.
+/// Distances in the order of the points; the report covers the distances added so far.
 class ClearanceSum {
  public:
-  /// Spans must outlive the sum. Precondition: `area_of`, one a point, indices of `areas`.
+  /// Spans must outlive the sum. Precondition: `area_of` has one index of `areas` for each point.
   ClearanceSum(std::span<const Area> areas, std::span<const std::uint32_t> area_of, const Fitness& fitness,
                double penetration_limit);
 
-  /// Of the next point. Precondition: in all no more than there are points.
+  /// Adds the distance of the next point. Precondition: in all no more distances than points.
   void add(const Enclosure& distance);
   void add(std::span<const MapResult> rows);
 
-  /// All but the summary of the map.
+  /// The report, but for the summary of the map.
   [[nodiscard]] Clearance report() const;
 
  private:
-  /// Of one area, by its points.
+  /// The distances of one area's points.
   struct Distances {
     verify::PreciseInterval sum{0};
     std::vector<double> lower;
@@ -41,7 +41,7 @@ class ClearanceSum {
   Fitness fitness_;
   double penetration_limit_;
   std::size_t points_ = 0;
-  /// Of terms of either sign: 127 bits, because the roundings of thousands of binary64 additions would add up.
+  /// A sum of terms of either sign: 127 bits, because the roundings of thousands of binary64 additions would add up.
   verify::PreciseInterval objective_{0};
   Clearance clearance_{};
   std::vector<Distances> distances_;  ///< by area

@@ -23,10 +23,11 @@ namespace verisq::verify {
 
 namespace {
 
-/// What encloses less of the cube about it encloses nothing, but for roundings, as of the mean that closes a rim.
+/// A surface that encloses a smaller share of the cube about it counts as enclosing nothing: roundings enclose as much,
+/// for example the rounding of the mean that closes a rim.
 constexpr double smallest_share = 1e-12;
 
-/// The power of two by which the largest coordinate is at most 1 and more than a half, but for the very smallest.
+/// The power of two that scales the largest coordinate to at most 1 and more than a half, but for the very smallest.
 double scale_of(std::span<const Triangle> triangles) {
   double largest = 0.0;
   for (const Triangle& triangle : triangles) largest = std::max(largest, largest_coordinate(triangle));
@@ -34,7 +35,7 @@ double scale_of(std::span<const Triangle> triangles) {
   return std::ldexp(1.0, largest > 0.0 ? -std::max(std::ilogb(largest) + 1, least_exponent) : 0);
 }
 
-/// About: only what is negligible depends on it.
+/// Approximate: it decides only which volumes are negligible.
 double volume_of_cube_about(std::span<const Triangle> triangles, double scale) {
   double largest = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -84,9 +85,9 @@ bool is_closed(std::span<const Triangle> triangles) {
   return true;
 }
 
-/// Six times the volume is the sum of those of the tetrahedra between the triangles and one point. All is scaled by a
-/// power of two, which does not change its sign: products of three coordinates would overflow or underflow else. Of the
-/// scaled ones each product's underflow, below 2^-1074, is within the intervals.
+/// Six times the volume is the sum of six times the volumes of the tetrahedra between the triangles and one point. All
+/// coordinates are scaled by a power of two, which does not change the sign: products of three coordinates would
+/// overflow or underflow else. After scaling, each product's underflow, below 2^-1074, is within the intervals.
 std::optional<int> orientation_of(std::span<const Triangle> triangles) {
   const double scale = scale_of(triangles);
   const Vector3<double> from = scaled(triangles.front().front(), scale);
@@ -102,8 +103,8 @@ std::optional<int> orientation_of(std::span<const Triangle> triangles) {
 
 namespace {
 
-/// Of the segments: how far they go in x and y for 1 in z. Nothing depends on their choice but whether the answer is
-/// found; small slopes keep their boxes thin, odd ones keep them off the edges of regular meshes.
+/// Slopes of the segments: their run in x and y for 1 in z. The choice can only decide whether an answer is found.
+/// Small slopes keep the segments' boxes thin; odd ones keep them off the edges of regular meshes.
 constexpr std::array<std::array<double, 2>, 6> slopes{
     {{0.0123, 0.0217}, {-0.0311, 0.0173}, {0.0271, -0.0397}, {-0.0149, -0.0091}, {0.0613, 0.0447}, {-0.0829, 0.0551}}};
 
@@ -125,7 +126,7 @@ std::array<Interval, 3> way(const Point& from, const Point& to) {
           Interval(to[2]) - Interval(from[2])};
 }
 
-/// Of six times the volume of the tetrahedron.
+/// The sign of six times the volume of the tetrahedron.
 Sign orientation(const Point& a, const Point& b, const Point& c, const Point& d) {
   const auto u = way(a, b);
   const auto v = way(a, c);
@@ -142,7 +143,7 @@ bool boxes_meet(const Point& from, const Point& to, const Triangle& triangle) {
   return true;
 }
 
-/// Of the triangle's inside; nothing where the segment may touch its boundary or end on it.
+/// The crossing of the triangle's interior; nothing if the segment may touch its boundary or end on it.
 std::optional<Crossing> crossing(const Point& from, const Point& to, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   const std::array around{orientation(from, to, a, b), orientation(from, to, b, c), orientation(from, to, c, a)};
@@ -230,7 +231,7 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Those of one triangle, as it runs through them.
+/// The edges of only one triangle, in the direction of that triangle.
 std::multimap<std::uint32_t, std::uint32_t> open_edges(const Mesh& mesh) {
   std::set<Edge> open;
   for (const auto& corners : mesh.triangles) {
@@ -293,13 +294,13 @@ std::vector<Triangle> closed_triangles(const Mesh& mesh, const Closing& closing)
 
 namespace {
 
-/// Of the largest coordinate: pieces so small are taken to meet what is not proven to be apart from them. Far more than
-/// their corners round by.
+/// Share of the largest coordinate: smaller pieces that are not proven to be apart from the others are taken to meet
+/// them. Far more than the rounding of their corners.
 constexpr double least_piece = 1e-9;
-/// Of a cavity that crosses the bone's surface one of its vertices is inside as a rule, which is soon found.
+/// If a cavity crosses the bone's surface, one of its vertices is inside as a rule, which is soon found.
 constexpr std::size_t vertices_before = 16;
 
-/// Whether the triangle is proven to have no point in common with the others.
+/// Returns whether the triangle is proven to have no point in common with the others.
 bool is_apart(const Triangle& triangle, const TriangleTree& others) {
   const double off = displacement(triangle);
   std::vector<Triangle> open{triangle};
@@ -314,7 +315,7 @@ bool is_apart(const Triangle& triangle, const TriangleTree& others) {
   return true;
 }
 
-/// Whether every point of the cavity's surface is proven to be one about which the outer one does not wind.
+/// Returns whether the outer surface is proven not to wind about any point of the cavity's surface.
 bool is_beside(const Mesh& cavity, const ClosedSurface& outer) {
   const auto winds_about = [&](std::size_t vertex) {
     return outer.winding_number(cavity.vertices[vertex]) != std::optional(0);

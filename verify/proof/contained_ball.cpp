@@ -11,11 +11,11 @@
 #include "verify/solids/superquadric.hpp"
 
 // Let d1, d2, d3 >= 0 with q + d_i proven in the solid K, and c with c·d_i >= t |c|, c >= 0, not 0. A vector v of the
-// cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and t |c| Σ l_i <= c·v <= t |c|, so that q + v lies in the
-// hull of q and the q + d_i, which lies in K. When cones cover the octant, the ball of radius t about q lies in K,
-// because g is monotone in each |coordinate| and |q_k + v_k| <= |q_k| + |v_k|. The best c points at the point of the
-// face d1 d2 d3 closest to q. A cone whose face comes too close is cut in two, so that two new faces come closer to
-// the surface. Of a tapered solid g is monotone in |x| and |y| alone: there the cones cover z < 0, too.
+// cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and t |c| Σ l_i <= c·v <= t |c|. So q + v lies in the hull
+// of q and the q + d_i, which lies in K. If cones cover the octant, the ball of radius t about q lies in K, because g
+// is monotone in each |coordinate| and |q_k + v_k| <= |q_k| + |v_k|. The best c points at the point of the face d1 d2
+// d3 closest to q. A cone whose face comes too close is cut in two, so that two new faces come closer to the surface.
+// For a tapered solid g is monotone in |x| and |y| alone: there the cones cover z < 0, too.
 
 namespace verisq::verify {
 
@@ -26,7 +26,7 @@ using Vector = Proposal;
 
 constexpr int kBudget = 50'000;     ///< points of the surface
 constexpr int kDeepestLevel = 50;   ///< of bisections: directions stay exact
-constexpr Float kMargin = 0x1p-62;  ///< of the gauge: what a proposal of the surface loses by rounding
+constexpr Float kMargin = 0x1p-62;  ///< of the gauge: the loss of a proposed surface point by rounding
 
 Float squared_distance(const Vector& a, const Vector& b) {
   return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
@@ -36,11 +36,11 @@ Float squared_distance(const Vector& a, const Vector& b) {
 struct Corner {
   Vector direction;  ///< exact: barycentric coordinates that are multiples of a power of two
   PreciseVector d;   ///< exact: the direction times a number of 64 bits
-  Vector nearest_d;  ///< for proposals
+  Vector nearest_d;  ///< approximate, for proposals
 };
 
 struct Cone {
-  std::array<std::size_t, 3> corners;  ///< in a plane two, one of them repeated
+  std::array<std::size_t, 3> corners;  ///< in a plane two corners, one of them repeated
   int level;                           ///< bisections so far
 };
 
@@ -91,7 +91,7 @@ class BallProof {
     return corners_.size() - 1;
   }
 
-  /// As far along the ray as can be proven; q itself at worst.
+  /// The corner as far along the ray as can be proven; q itself at worst.
   [[nodiscard]] Corner proven_corner(const Vector& direction) const {
     for (Float margin = kMargin; margin < 1; margin *= 8) {
       const Float reach = proposed::exit(solid_, nearest_q_, direction, 1 - margin);
@@ -145,8 +145,8 @@ class BallProof {
 
 }  // namespace
 
-// Mixed norms with p >= 1 are at most the 1-norm, so the octahedron of the semi-axes lies inside; with p >= 2 at most
-// the 2-norm, so the ellipsoid does. With a taper g(w) <= (1 + |k|) N(w) / (1 - k²) = N(w) / (1 - |k|).
+// Mixed norms with p >= 1 are at most the 1-norm, so the octahedron of the semi-axes lies inside. With p >= 2 they are
+// at most the 2-norm, so the ellipsoid lies inside. With a taper g(w) <= (1 + |k|) N(w) / (1 - k²) = N(w) / (1 - |k|).
 PreciseInterval inner_radius(const Superquadric& solid) {
   const PreciseInterval share = PreciseInterval(1) - abs(TaperNumbers<Real>(solid.taper).k);
   if (std::ranges::max(solid.exponents) <= 1.0) return share * PreciseInterval(Real(std::ranges::min(solid.semi_axes)));
@@ -173,7 +173,7 @@ namespace {
 const PreciseInterval kOne(1);
 const PreciseInterval kTwo(2);
 
-/// In [0, 1], of shares of a norm. 1 where the norm may be 0.
+/// The share of a part in a norm, in [0, 1]; up to 1 if the norm may be 0.
 PreciseInterval share(const PreciseInterval& part, const PreciseInterval& norm) {
   if (!(norm.lower() > Real(0))) return {Real(0), Real(1)};
   const PreciseInterval quotient = part / norm;
@@ -228,7 +228,7 @@ PreciseInterval largest_mixture(const PreciseInterval& p) {
   return (pow(s, s) / pow(kOne + s, kOne + s)).upper();
 }
 
-/// Of one of the terms (share)^(p-2) e²: what it is at most, and what it is times (the other share)^p.
+/// Upper bounds of a term (share)^(p-2) e², and of its product with (the other share)^p.
 struct TermBounds {
   PreciseInterval power, mixed;
 };
@@ -248,8 +248,8 @@ PreciseInterval smaller(const PreciseInterval& a, const PreciseInterval& b) {
   return std::min(a.upper(), b.upper());
 }
 
-/// The larger of two terms with their scales, raised by `excess` times (m - w)² or (u - v)² with their weights: those
-/// are at most the terms themselves, or the given multiples of the mixed ones.
+/// The larger of two terms with their scales, raised by `excess` times (m - w)² or (u - v)² with their weights. These
+/// squares with their weights are at most the terms themselves, or the given multiples of the mixed terms.
 PreciseInterval raised(const TermBounds& a, const PreciseInterval& scale_a, const PreciseInterval& multiple_a,
                        const TermBounds& b, const PreciseInterval& scale_b, const PreciseInterval& multiple_b,
                        const PreciseInterval& excess) {
@@ -323,7 +323,7 @@ bool is_bent_ball_contained(const Superquadric& solid, const PreciseInterval& cu
   if (!(turn.upper() <= Real(1))) return false;
   const PreciseInterval flattening =
       (kOne - turn / PreciseInterval(3)) * (kOne - turn / kTwo) - kTwo * turn / PreciseInterval(3);
-  // Both are right with any smaller number in their place, too.
+  // Both bounds stay right with any smaller number in place of the stretch.
   const Real square_of_stretch = (ball.touching_stretch * ball.query_stretch * flattening).lower();
   if (!(square_of_stretch > Real(0))) return false;
   const PreciseInterval stretch(square_root(square_of_stretch, Direction::down));

@@ -10,18 +10,20 @@ namespace verisq::verify {
 /// Radius of a ball about the origin of the solid's own frame that lies inside.
 [[nodiscard]] PreciseInterval inner_radius(const Superquadric& solid);
 
-/// Radius, rounded down, of a ball about q that lies inside the solid because one about the origin does: exact at the
-/// centre of a sphere. For every point of the box q, in the solid's frame; 0 where nothing is proven.
+/// Radius, rounded down, of a ball about q that lies inside the solid because a ball about the origin does: exact at
+/// the centre of a sphere. It holds for every point of the box q, in the solid's frame. The radius is 0 if nothing is
+/// proven.
 [[nodiscard]] double central_depth(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                    const PreciseVector& q);
 
-/// Whether the ball of the given radius about every point of the box q, in the solid's frame, is proven to lie inside
-/// the solid; false when it does not, or when the proof would take more than some 50,000 points of the surface or is
-/// `interrupted`. Every statement is proven in 127 bits.
+/// Returns whether the ball of the given radius about every point of the box q, in the solid's frame, is proven to lie
+/// inside the solid. False if the ball does not lie inside, if the proof would take more than some 50,000 points of the
+/// surface, or if it is `interrupted`. Every statement is proven in 127 bits.
 [[nodiscard]] bool contains_ball(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                  const PreciseVector& q, double radius, const Hook& interrupted = {});
 
-// Proves that a ball lies inside a bent superquadric by one look at the point where it comes closest to the boundary.
+// Proves that a ball lies inside a bent superquadric by one evaluation at the point where the ball comes closest to the
+// boundary.
 
 /// A ball about q with p on its sphere. Places are unbent, in the solid's own frame; stretches are 1 - k r.
 struct BentBall {
@@ -33,8 +35,8 @@ struct BentBall {
   PreciseVector normal;  ///< β'(c)ᵀ (p - q)
 };
 
-/// Whether it is proven to lie in the bent solid, as docs/mathematics.md §9 says under "Points inside", where the
-/// notation is from. `curvature` is |k|. False for tapers and for exponents above 1.
+/// Returns whether the ball is proven to lie in the bent solid, by docs/mathematics.md §9, "Points inside", which
+/// defines the notation. `curvature` is |k|. False for tapers and for exponents above 1.
 [[nodiscard]] bool is_bent_ball_contained(const Superquadric& solid, const PreciseInterval& curvature,
                                           const BentBall& ball);
 

@@ -61,8 +61,8 @@ Nerve::Chain Nerve::boundary(const Three& group) const {
   return chain;
 }
 
-/// Its boundary: its groups of three, by their places. Four bodies with a common point may meet in pairs: their groups
-/// of three are among those of the nerve.
+/// Adds the boundary of the four: its groups of three, by their places. Four bodies with a common point may meet in
+/// pairs: their groups of three are among the nerve's groups.
 void Nerve::add(const Four& common) {
   Chain chain;
   for (std::size_t left_out = 0; left_out < 4; ++left_out) {
@@ -127,8 +127,8 @@ namespace {
 /// A point of a triangle: an interval, for a midpoint of binary64 numbers need not be one.
 struct Corner {
   PreciseVector exact;
-  Point about;               ///< the same, rounded: tells which side is longest, and proves nothing
-  std::vector<bool> bodies;  ///< that are proven to contain it
+  Point about;               ///< the same, rounded: decides which side is longest, and proves nothing
+  std::vector<bool> bodies;  ///< the bodies that are proven to contain it
 };
 
 struct Piece {
@@ -188,7 +188,7 @@ bool lies_in_union(const Triangle& triangle, std::span<const PosedSuperquadric> 
                    const std::function<bool()>& interrupted) {
   const auto corner = [&](std::size_t i) { return corner_at(precise(triangle[i]), triangle[i], bodies); };
   std::vector<Piece> open{{{corner(0), corner(1), corner(2)}}};
-  // Where no body contains a point, every piece about the point stays open.
+  // If no body contains a point, every piece about the point stays open.
   if (!std::ranges::all_of(open.back().corners, is_in_some)) return false;
   for (std::size_t pieces = 0; !open.empty(); ++pieces) {
     if (pieces == most_pieces || interrupted()) return false;
@@ -235,9 +235,9 @@ ContainmentChecker& ContainmentChecker::operator=(ContainmentChecker&&) noexcept
 
 namespace {
 
-/// The interior of each primitive does not meet the mesh, as its side proves, and holds its centre. Parity tells
-/// whether the centre lies in the mesh's solid. Winding numbers do not where the mesh crosses itself: there it may wind
-/// twice, or the other way about.
+/// The side proves that the interior of each primitive does not meet the mesh, and it contains the primitive's centre.
+/// Parity decides whether the centre lies in the mesh's solid. Winding numbers cannot decide it if the mesh crosses
+/// itself: there it may wind twice, or in the opposite sense.
 ContainmentFinding checked_within(const Model& model, const SideChecker& sides, const verify::ClosedSurface& surface,
                                   const CheckOptions& options) {
   for (std::uint32_t k = 0; k < model.primitives.size(); ++k) {

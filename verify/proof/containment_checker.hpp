@@ -15,8 +15,8 @@
 
 namespace verisq::verify {
 
-/// The nerve of convex bodies, as far as it is known: which of them may have common points, and which do. Homology is
-/// over the field of two elements.
+/// The nerve of convex bodies, as far as it is known: the sets of bodies that may have a common point, and the sets
+/// that do have one. Homology is over the field of two elements.
 class Nerve {
  public:
   using Three = std::array<std::uint32_t, 3>;
@@ -25,10 +25,10 @@ class Nerve {
   /// `may_meet(i, j)`, i < j, is false only where bodies i and j have no common point.
   Nerve(std::size_t bodies, const std::function<bool(std::size_t, std::size_t)>& may_meet);
 
-  /// Four bodies each two of which may meet.
+  /// Sets of four bodies of which each two may meet.
   [[nodiscard]] std::vector<Four> fours() const;
 
-  /// These four have a common point. Precondition: they ascend.
+  /// Adds the fact that these four bodies have a common point. Precondition: the indices ascend.
   void add(const Four& common);
 
   /// True proves that the union of the bodies has no cavity: the nerve has no more cycles of three than boundaries of
@@ -39,7 +39,7 @@ class Nerve {
   /// A vector over the field: the places of its ones, ascending.
   using Chain = std::vector<std::uint32_t>;
 
-  /// How many of the chains that were added are independent.
+  /// The rank: how many of the added chains are independent.
   class Rank {
    public:
     void add(Chain chain);

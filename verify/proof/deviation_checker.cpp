@@ -147,7 +147,7 @@ Enclosure told_from(const Point& from, const Enclosure& there, const Point& x) {
   return verify::widened(there, verify::distance_up(from, x));
 }
 
-/// Of the vertices that are told by others. `rows` holds those of the others.
+/// Sets the rows of the vertices that are bounded by another vertex; `rows` holds the rows of the others.
 void tell(const Mesh& mesh, const std::vector<VertexProof>& proofs, std::vector<Enclosure>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::uint32_t from = proofs[i].told_by;
@@ -156,7 +156,7 @@ void tell(const Mesh& mesh, const std::vector<VertexProof>& proofs, std::vector<
   }
 }
 
-/// What is claimed is of all pieces of all triangles: what a proof says nothing of counts with any distance.
+/// Claims are about all pieces of all triangles: a piece about which nothing is proven counts with any distance.
 void add_up(const ContactTerms& terms, const std::vector<TriangleDistances>& triangles, ProvenContact& result) {
   std::vector<WeightedCell> all;
   std::vector<std::vector<WeightedCell>> by_region(terms.regions);
@@ -172,7 +172,7 @@ void add_up(const ContactTerms& terms, const std::vector<TriangleDistances>& tri
     result.by_region.push_back(verify::area_within(cells, terms.distance));
 }
 
-/// Of what of the model's boundary lies on the primitives that count.
+/// The areas of the part of the model's boundary that lies on the primitives that count.
 AreaWithin surface_within(const Mesh& mesh, const ContactTerms& terms, const SurfaceCover& cover,
                           const verify::ProvenSamples& samples, const verify::ProvenSignedDistance& distance,
                           verify::CheckSteps& steps) {

@@ -14,7 +14,7 @@ Place opposite(Place place) {
   return static_cast<Place>(-static_cast<int>(place));
 }
 
-/// Of the set whose primitives have these places (docs/mathematics.md §11).
+/// The place relative to the set, from the places relative to its primitives (docs/mathematics.md §11).
 Place place_of(const SetExpression& set, std::span<const Place> primitives) {
   if (set.operands.empty()) return primitives[set.primitive];
   const Place deciding = set.operation == SetOperation::unite ? Place::inside : Place::outside;
@@ -28,13 +28,14 @@ Place place_of(const SetExpression& set, std::span<const Place> primitives) {
   return result;
 }
 
-/// {centre + e : normal·e <= offset} contains what counts of the cell.
+/// {centre + e : normal·e <= offset} contains the relevant part of the cell.
 struct Cut {
   PreciseVector normal;  ///< exact
   Real offset;
 };
 
-/// From n·e <= offset for an n of `range`: no e of the cell has (n - normal)·e below the least of it.
+/// The cut from n·e <= offset for some n of `range`: for no e of the cell is (n - normal)·e below the lower end of that
+/// product.
 Cut cut_of(const PreciseVector& range, const Real& offset, const std::array<Real, 3>& half) {
   const PreciseVector normal = precise(midpoint(range));
   return {normal, (PreciseInterval(offset) - PreciseVector(range - normal).dot(box_of(half))).upper()};
@@ -63,9 +64,9 @@ Cut cut_inside(const OwnRegion& own, const std::array<Real, 3>& half, const Supe
   return cut_of(own.derivative.transpose() * w, offset, half);
 }
 
-/// Where g(y) >= 1, w·(y - centre) >= -m if m >= g - 1 - w·(y - centre) at all corners of the cell, with any
-/// derivative: that is convex, and every y lies in the hull of eight such corners, because one derivative serves for
-/// it.
+/// If g(y) >= 1, then w·(y - centre) >= -m, if m >= g - 1 - w·(y - centre) at all corners of the cell, with any
+/// derivative. For this expression is convex, and every y lies in the hull of eight such corners, because one
+/// derivative applies to it.
 Cut cut_outside(const OwnRegion& own, const std::array<Real, 3>& half, const SuperquadricBounds<Real>& bounds,
                 const PreciseVector& w) {
   Real excess(-infinity);
@@ -78,8 +79,8 @@ Cut cut_outside(const OwnRegion& own, const std::array<Real, 3>& half, const Sup
   return cut_of(-(own.derivative.transpose() * w), excess, half);
 }
 
-/// The least of 2 N·(c - o) - |N|² - 2 Σ m b with N = Σ m n over all c of a convex region that `reach` bounds, from
-/// below: no o + e in all cuts has a smaller square of its distance from the region, whatever m >= 0.
+/// The least of 2 N·(c - o) - |N|² - 2 Σ m b with N = Σ m n over all c of a convex region that `reach` bounds, rounded
+/// down. No point o + e in all cuts has a smaller square of its distance from the region, whatever m >= 0.
 template <class Reach>
 Real least_square(const Reach& reach, const PreciseVector& o, std::span<const Cut> cuts, const std::vector<double>& m) {
   PreciseVector sum;
@@ -106,7 +107,7 @@ Place place_of(const PreciseVector& x, const SetExpression& set, std::span<const
   return place_of(set, places);
 }
 
-/// At one cell.
+/// The proof for one cell.
 struct EmptyNeighbourhood::Look {
   /// Begins with the cell's faces as cuts.
   Look(const EmptyNeighbourhood& of, const Cell& at)
@@ -142,7 +143,7 @@ struct EmptyNeighbourhood::Look {
     return m && least_square([this](const PreciseVector& v) { return around.reach(v); }, offset, cuts, *m) >= least;
   }
 
-  /// Of the body, from the cell's centre.
+  /// The farthest point of the body, from the cell's centre.
   [[nodiscard]] proposed::FarthestPoint farthest() const {
     return [body = around.body_, from = middle(offset)](const std::array<double, 3>& v) {
       const auto [x, y, z] = body->farthest(v);
@@ -150,7 +151,7 @@ struct EmptyNeighbourhood::Look {
     };
   }
 
-  /// Where the set is one primitive.
+  /// Adds cuts if the set is one primitive.
   void cut_by(const SetExpression& set, Place wanted) {
     if (!set.operands.empty() || places[set.primitive] != Place::undecided || !own[set.primitive]) return;
     const auto add_cuts = [&](const auto& solid) {
@@ -164,8 +165,8 @@ struct EmptyNeighbourhood::Look {
     std::visit(add_cuts, around.primitives_[set.primitive]);
   }
 
-  /// Whether what of the set, with Place::inside of the closure of its complement, lies in the cell and in the cuts is
-  /// proven to be far. Leaves the cuts as they were.
+  /// Returns whether the set's part in the cell and in the cuts is proven to be far; with Place::inside: the part of
+  /// the closure of its complement. Leaves the cuts as they were.
   [[nodiscard]] bool is_far(const SetExpression& set, Place wanted) {
     const Place found = place_of(set, places);
     if (found != Place::undecided) return found == wanted || is_far();
@@ -187,7 +188,8 @@ struct EmptyNeighbourhood::Look {
   const Cell& cell;
   PreciseVector offset;
   std::vector<Place> places;
-  std::vector<std::optional<OwnRegion>> own;  ///< of primitives that are undecided in all of it
+  std::vector<std::optional<OwnRegion>> own;  ///< regions of the primitives that are undecided in the whole
+                                              ///< neighbourhood
   std::vector<Cut> cuts;
 };
 
@@ -197,7 +199,7 @@ bool contains(const auto& solid, const Point& centre, double radius, const Propo
   return solid.contains(centre) && solid.contains_ball_about(centre, radius, v, interrupted);
 }
 
-/// By the balls about its corners, where the solid is convex.
+/// Proven by the balls about the corners, if the solid is convex.
 template <class Solid>
 bool contains(const Solid& solid, const Triangle& triangle, double radius, const Proposal& v, const Hook& interrupted) {
   const auto contains_ball = [&](const Point& x) { return contains(solid, x, radius, v, interrupted); };
@@ -212,7 +214,7 @@ std::span<const Point> corners_of(const Triangle& triangle) {
   return triangle;
 }
 
-/// Of the box along the axes of which centre and half edges are binary64 numbers.
+/// The centre of the axis-parallel box whose centre and half edges are binary64 numbers.
 Point middle_of(std::span<const Point> corners) {
   Point result;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -305,8 +307,8 @@ template EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression&, std::span<
                                                 double, Place, std::span<const Normal>, const std::optional<Point>&,
                                                 const Hook&);
 
-// Half edges of the whole are binary64 numbers, offsets whole multiples of the cell's half edges: down to 2^-59 of the
-// whole, both have no more than 53 + 59 bits.
+// Half edges of the whole are binary64 numbers, offsets are whole multiples of the cell's half edges. Down to 2^-59 of
+// the whole both have no more than 53 + 59 bits.
 std::optional<std::array<EmptyNeighbourhood::Cell, 2>> EmptyNeighbourhood::halves(const Cell& cell) const {
   const auto axis = static_cast<std::size_t>(std::ranges::max_element(cell.half) - cell.half.begin());
   if (cell.half[axis] < multiply(whole_.half[axis], Real(0x1p-58), Direction::up)) return std::nullopt;

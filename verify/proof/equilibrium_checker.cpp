@@ -105,8 +105,8 @@ stance::Standing uniform(const stance::Model& model, std::span<const std::size_t
 
 namespace {
 
-/// Over a part of a box in whose `postures` there is but one equilibrium for each parameter. Nothing where that is not
-/// located again.
+/// Ranges over a part of a box, for `postures` with exactly one equilibrium for each parameter. Nothing if the
+/// equilibrium is not located again.
 std::optional<PreciseBox> ranges_of_part(const StandingBody& body, const PreciseBox& part, const PreciseBox& postures,
                                          PreciseBox about) {
   constexpr int passes = 2;  // each squares the errors
@@ -120,7 +120,7 @@ std::optional<PreciseBox> ranges_of_part(const StandingBody& body, const Precise
   return result;
 }
 
-/// Each component's ends at those of the box, where its derivatives have signs.
+/// Evaluates each component's ends at the ends of the box, for the variables whose derivatives have a sign.
 class RangesOfBox {
  public:
   RangesOfBox(const StandingBody& body, const PreciseBox& box, const PreciseBox& postures,
@@ -181,7 +181,7 @@ EquilibriumRanges<PreciseInterval> named(const StandingBody& body, const Precise
   return named<PreciseInterval>(list, body.unknowns(), body.model);
 }
 
-/// Where one equilibrium for each parameter is known, the derivatives next to it are enough.
+/// The derivatives near the line are enough, once exactly one equilibrium is known for each parameter.
 LocatedEquilibria narrowed(const StandingBody& body, const PreciseBox& box, const PreciseBox& postures,
                            LocatedEquilibria located) {
   constexpr int passes = 3;
@@ -249,13 +249,13 @@ namespace {
 
 using Ranges = std::vector<Enclosure>;
 
-/// A part of the box that is said to stand.
+/// A part of the box on which the certificate claims a standing equilibrium.
 struct Leaf {
   Ranges ranges;  ///< of the uncertain parameters
   std::span<const Enclosure> postures;
 };
 
-/// The parts that are cut no further, and that something is said of: as far as the certificate is whole.
+/// The parts that are cut no further and have postures in the certificate, as far as the certificate is whole.
 class Leaves {
  public:
   Leaves(const std::vector<EquilibriumPart>& parts, const Ranges& whole) {
@@ -276,12 +276,12 @@ class Leaves {
   }
 
   [[nodiscard]] const std::vector<Leaf>& all() const { return leaves_; }
-  /// Whether they are all of the box.
+  /// Returns whether the parts cover all of the box.
   [[nodiscard]] bool are_whole() const { return is_whole_; }
 
  private:
-  /// Where a side is cut does not matter to what is proved, as long as both halves are boxes that share no volume. What
-  /// has no such halves, a point say, has parts that nothing is said of: they would be counted twice.
+  /// The place of a cut does not matter to the proof, if both halves are boxes that share no volume. A box without such
+  /// halves, such as a point, gets parts without postures: else they would be counted twice.
   static void halve(std::vector<std::optional<Ranges>>& open, std::optional<Ranges> box, std::size_t k) {
     const double middle = box && k < box->size() ? middle_of((*box)[k]) : 0.0;
     if (!box || k >= box->size() || !((*box)[k].lo < middle && middle < (*box)[k].hi)) {
@@ -299,7 +299,7 @@ class Leaves {
   bool is_whole_ = true;
 };
 
-/// Of the whole box, about: 1 of a side that is a point.
+/// The approximate share of the whole box; a side that is a point counts as 1.
 PreciseInterval share_of(const Ranges& part, const Ranges& whole) {
   PreciseInterval share = 1;
   for (std::size_t k = 0; k < part.size(); ++k) {
@@ -312,7 +312,7 @@ PreciseInterval share_of(const Ranges& part, const Ranges& whole) {
   return share;
 }
 
-/// Of numbers that lie in `a` and in `b`, one each: the least is no more than `hi`, the greatest no less than `lo`.
+/// For numbers of which one lies in `a` and one in `b`: the least is no more than `hi`, the greatest no less than `lo`.
 Enclosure reached(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
 }

@@ -14,35 +14,36 @@
 
 namespace verisq::stance {
 
-// What a model of human stance must be to stand on the ground, and which of its joints an equilibrium leaves open.
+// The requirements on a model of human stance, so that it can stand on the ground, and the joints that an equilibrium
+// leaves open.
 
-/// Of Gauss's rule on a cylinder's axis, which presses with half of its stiffness at each.
+/// The number of points of Gauss's rule on a cylinder's axis; the cylinder presses with half of its stiffness at each.
 constexpr std::size_t points_of_cylinder = 2;
 
-/// Throws Error(input): without cylinders, without a root that first is translated and then turned about x and z, with
-/// a horizontal applied force, with a controller of the root.
+/// Throws Error(input) for a model without cylinders, with a horizontal applied force, or with a controller of the
+/// root. Also throws unless the root is first translated and then turned about x and z.
 void require_standing_model(const Model& model);
 
-/// Whose positions are sought: the root's rotations about x and z, then, with proportional control, those of all other
-/// bodies. Precondition: a standing model.
+/// The joints whose positions are sought: the root's rotations about x and z, then, with proportional control, the
+/// joints of all other bodies. Precondition: a standing model.
 [[nodiscard]] std::vector<std::size_t> sought_joints(const Model& model, JointControl control);
 
-/// Along y: an equilibrium leaves it open, too. Precondition: a standing model.
+/// The index of the root's translation along y: an equilibrium leaves it open, too. Precondition: a standing model.
 [[nodiscard]] std::size_t height_of_root(const Model& model);
 
-/// Of all joints, as their controllers turn them; 0 where none acts.
+/// The stiffness with which controllers turn each joint; 0 for a joint without a controller.
 [[nodiscard]] std::vector<double> stiffness_of_joints(const Model& model);
 
-/// Of a body's joint among all.
+/// The index, among all joints, of a body's joint.
 [[nodiscard]] std::size_t joint_index(const Model& model, std::size_t body, std::size_t joint);
 
 }  // namespace verisq::stance
 
 namespace verisq::verify {
 
-// What an equilibrium consists of, by name, and what is known of many of them together: for any type of interval.
+// The parts of an equilibrium, by name, and the joint ranges of many equilibria: for any type of interval.
 
-/// Over a box of parameters.
+/// The ranges of an equilibrium's parts over a box of parameters.
 template <class Interval>
 struct EquilibriumRanges {
   std::vector<Interval> unknowns;      ///< the reference point's height, then the joints sought
@@ -50,10 +51,10 @@ struct EquilibriumRanges {
   std::vector<Interval> forces;        ///< of all cylinders
   Interval pressure_x, pressure_z;     ///< the centre of pressure
   Interval height_of_root;             ///< its translation along y
-  std::vector<Interval> torques;       ///< of all joints, 0 of the root's
+  std::vector<Interval> torques;       ///< of all joints, 0 for the root's joints
 };
 
-/// Of a list of these numbers, one after the other.
+/// The named ranges from a list of these numbers, one after the other.
 template <class Interval>
 [[nodiscard]] EquilibriumRanges<Interval> named(std::span<const Interval> list, std::size_t unknowns,
                                                 const stance::Model& model) {
@@ -74,8 +75,8 @@ template <class Interval>
   return result;
 }
 
-constexpr Enclosure nothing_yet{infinity, -infinity};    ///< of no numbers
-constexpr Enclosure nothing_known{-infinity, infinity};  ///< of any
+constexpr Enclosure nothing_yet{infinity, -infinity};    ///< an enclosure of no numbers
+constexpr Enclosure nothing_known{-infinity, infinity};  ///< an enclosure of any numbers
 
 /// `number` wherever an equilibrium leaves something open; all joints but those sought are where the file has them.
 [[nodiscard]] stance::Standing uniform(const stance::Model& model, std::span<const std::size_t> sought,
@@ -88,7 +89,7 @@ constexpr Enclosure nothing_known{-infinity, infinity};  ///< of any
   return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
 }
 
-/// join(what is known of others, what is found), number by number.
+/// Sets each number to join(the number so far, the found range).
 template <class AnyInterval, class Join>
 void add(stance::Standing& sum, const stance::Model& model, std::span<const std::size_t> sought,
          const EquilibriumRanges<AnyInterval>& ranges, const Join& join) {
@@ -108,17 +109,17 @@ void add(stance::Standing& sum, const stance::Model& model, std::span<const std:
   to(sum.centre_of_pressure_z, ranges.pressure_z);
 }
 
-// One equilibrium for each parameter of a box, by Krawczyk's operator at 127 bits, and the ranges of what it consists
-// of (docs/stance.md §7).
+// Proves one equilibrium for each parameter of a box, by Krawczyk's operator at 127 bits, and the ranges of the
+// equilibrium's parts (docs/stance.md §7).
 
 struct ProvenBox {
   EquilibriumRanges<PreciseInterval> ranges;  ///< over the box
-  EquilibriumRanges<PreciseInterval> some;    ///< of one parameter of it, its middle
+  EquilibriumRanges<PreciseInterval> some;    ///< for one parameter of the box, its middle
 };
 
-/// Where it is proven that for all uncertain parameters in these ranges, all others being nominal, exactly one posture
-/// of `postures` is an equilibrium, and that in it all points press. Preconditions: finite ranges, one of each
-/// uncertain parameter; postures of each unknown.
+/// The result if the following is proven, else nothing. For all uncertain parameters in these ranges, all others being
+/// nominal, exactly one posture of `postures` is an equilibrium, and in it all points press. Preconditions: finite
+/// ranges, one for each uncertain parameter; `postures` has one range for each unknown.
 [[nodiscard]] std::optional<ProvenBox> equilibrium_on(const StandingBody& body, std::span<const Enclosure> parameters,
                                                       std::span<const Enclosure> postures);
 

@@ -1,5 +1,5 @@
-/// The checker's whole logic: what normals, spheres, escapes, witnesses, contained balls, covers and weights prove
-/// about one point or triangle.
+/// The checker's whole logic: the bounds that normals, spheres, escapes, witnesses, contained balls, covers and weights
+/// prove for one point or triangle.
 #include "verify/proof/exact_checker.hpp"
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace verisq::verify {
 
 namespace {
 
-/// Of a model.
+/// The primitives of a model.
 using Primitives = std::span<const PosedPrimitive>;
 
 Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// An upper end: `claimed` or less if it can be proven with v, else what can be.
+/// An upper end: `claimed` or less if it can be proven with v, else the least upper end that can be proven.
 double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed,
                  const Hook& interrupted) {
   return std::visit(
@@ -50,8 +50,9 @@ double least(Primitives primitives, const Query& query, std::span<const Normal> 
   return std::ranges::min(lower);
 }
 
-/// Whether the exact signed distance is the least of the primitives': that of the union is where all are positive
-/// (not where one is 0: a point on a face that two solids share lies inside), and a single primitive's always.
+/// The lower end by normals, if the exact signed distance is the least of the primitives' signed distances; else
+/// -infinity. For a union it is the least if all are positive (not if one is 0: a point on a face that two solids share
+/// lies inside). For a single primitive it always is.
 double lower_by_normals(Primitives primitives, const Point& x, std::span<const Normal> normals, const Hook& ended) {
   const double of_primitives = least(primitives, x, normals, ended);
   return of_primitives > 0.0 || primitives.size() == 1 ? of_primitives : -infinity;
@@ -66,9 +67,9 @@ SetExpression set_of(const Model& model) {
   return all;
 }
 
-/// `claimed` or less as soon as a normal proves it, else the least that one proves. Inside, a normal may cost the proof
-/// of a ball, some seconds where it fails: of a row only the first few are tried, of a convex primitive, whose ball no
-/// normal changes, one.
+/// `claimed` or less as soon as a normal proves it, else the least upper end that a normal proves. Inside, a normal may
+/// cost the proof of a ball, some seconds if it fails. So only the first few normals of a row are tried, and only one
+/// of a convex primitive, whose ball no normal changes.
 double upper(Primitives primitives, const Point& x, double claimed, std::span<const Normal> normals,
              const Hook& interrupted) {
   constexpr std::size_t most_balls = 4;
@@ -88,7 +89,7 @@ double upper(Primitives primitives, const Point& x, double claimed, std::span<co
   return least;
 }
 
-/// By one point of the triangle; stops as soon as a normal proves `claimed` there.
+/// The upper end by one point of the triangle; stops as soon as a normal proves `claimed` there.
 double upper(Primitives primitives, const Triangle& triangle, double claimed, const Weights& weights,
              std::span<const Normal> normals) {
   double least = infinity;
@@ -102,7 +103,7 @@ double upper(Primitives primitives, const Triangle& triangle, double claimed, co
   return least;
 }
 
-/// What is usable: normals of primitives that exist, finite points.
+/// The usable parts of the certificate: normals of primitives that exist, finite points.
 Certificate known(Primitives primitives, Certificate certificate) {
   std::erase_if(certificate.normals, [&](const Normal& normal) { return normal.primitive >= primitives.size(); });
   for (std::optional<Point>* const point : {&certificate.escape, &certificate.witness}) {
@@ -136,13 +137,13 @@ bool ExactChecker::is_covered(const Query& query, double radius, Place wanted, c
       .is_covered_by(certificate.cover, interrupted);
 }
 
-/// How far a point is that is proven to have the place.
+/// The distance of x from a point that is proven to have the place.
 double ExactChecker::distance_of(const PreciseVector& x, const std::optional<Point>& p, Place place) const {
   if (!p || place_of(precise(*p), set_, primitives_) != place) return infinity;
   return length<Real>(PreciseVector(x - precise(*p))).upper().to_double(Direction::up);
 }
 
-/// A point outside is no deeper inside than another point outside is far.
+/// A point outside cannot be deeper inside than its distance from another point outside.
 double ExactChecker::proven_lower(const Point& x, double claimed, const Certificate& certificate,
                                   const Hook& interrupted) const {
   const double by_normals = is_union_ ? lower_by_normals(primitives_, x, certificate.normals, interrupted) : -infinity;

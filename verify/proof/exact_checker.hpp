@@ -1,4 +1,4 @@
-/// What certificates prove of the distances to an ordinary model.
+/// Proves distances to an ordinary model by certificates.
 #pragma once
 
 #include <span>
@@ -16,17 +16,17 @@ class ExactChecker {
  public:
   explicit ExactChecker(const Model& model);
 
-  /// What the certificate proves, whatever it holds: an enclosure of the exact signed distance; an inner end, and what
-  /// a cover proves, no farther than claimed. Once `interrupted`, polled unless empty, says so, less. Preconditions as
-  /// for Checker.
+  /// The enclosure of the exact signed distance that the certificate proves, whatever the certificate contains. An
+  /// inner end, and an end proven by a cover, is proven no farther than claimed. `interrupted`, unless empty, is
+  /// polled; once it returns true, the enclosure is looser. Preconditions: those of Checker.
   [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
                                      const Hook& interrupted = {}) const;
 
-  /// The same of the distance of a triangle.
+  /// The same for the distance of a triangle.
   [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
                                      const Hook& interrupted = {}) const;
 
-  /// What covers are of.
+  /// The set and the primitives that covers are about.
   [[nodiscard]] const SetExpression& set() const { return set_; }
   [[nodiscard]] std::span<const PosedPrimitive> primitives() const { return primitives_; }
 

@@ -109,7 +109,7 @@ class Findings {
   FemurFeatures found_;
 };
 
-/// With ends of the type T: double or Real.
+/// The geometry, with ends of the type T: double or Real.
 template <class T>
 struct FemurGeometry {
   using Interval = verify::BasicInterval<T>;
@@ -137,7 +137,7 @@ struct FemurGeometry {
     Axis(const LandmarkBall& start, const LandmarkBall& end)
         : from(start), to(end), direction(difference(end, start)), tilt(verify::tilt(direction)) {}
 
-    /// Whether its direction is known at all: to less than a quarter of a turn.
+    /// Returns whether its direction is known at all: to less than a quarter of a turn.
     [[nodiscard]] bool known() const { return tilt.upper() < T(1.57); }
   };
 
@@ -149,9 +149,9 @@ struct FemurGeometry {
     return least_and_most(in_degrees(within(middle, a.tilt + b.tilt)), T(0), T(180));
   }
 
-  /// By how much at most the azimuth of v about the axis changes. Let R turn the tilted axis back by t <= tilt, about a
-  /// line across it: the projection across the axis moves by at most the ball's reach, and by R at most by
-  /// |v_along| sin t + |v_across| (1 - cos t).
+  /// The largest change of the azimuth of v about the axis. Let R turn the tilted axis back by t <= tilt, about a line
+  /// across it. Then the projection across the axis moves by at most the ball's reach, and by R at most by |v_along|
+  /// sin t + |v_across| (1 - cos t).
   static Interval azimuth_change(const VectorBall& v, const Axis& about) {
     const IntervalVector3& s = about.direction.centre;
     const Interval size = verify::length(s);
@@ -162,7 +162,7 @@ struct FemurGeometry {
     return verify::arcsine(moved / across);
   }
 
-  /// From `first` to `second` about the axis, in (-180, 180] degrees; nothing where that may be any angle.
+  /// The angle from `first` to `second` about the axis, in (-180, 180] degrees; nothing if it may be any angle.
   static std::optional<Interval> azimuth(const VectorBall& first, const VectorBall& second, const Axis& about) {
     const IntervalVector3& s = about.direction.centre;
     const IntervalVector3 a = verify::cross(first.centre, s);
@@ -174,7 +174,7 @@ struct FemurGeometry {
     return found;
   }
 
-  /// Where on an axis through D and P the point's foot is, as t in D + t (P - D).
+  /// The foot of a point on an axis through D and P, as t in D + t (P - D).
   struct Foot {
     Interval at;        ///< of the centres' axis and point
     Interval wherever;  ///< of any line and point of the balls
@@ -190,15 +190,15 @@ struct FemurGeometry {
     return {product / square(size), within(product, product_reach) / square(within(size, axis.direction.reach))};
   }
 
-  /// Of the centres.
+  /// The distance of the centres' axis and point.
   static Interval middle_distance(const LandmarkBall& point, const Axis& axis) {
     const IntervalVector3& s = axis.direction.centre;
     return verify::length(verify::cross(difference(point, axis.from).centre, s)) / verify::length(s);
   }
 
-  /// The distance of a point from an axis through D and P. With t the place of its foot, D + t (P - D), any line of the
-  /// balls lies within r_D |1 - t| + r_P |t| of this one at t: that and the point's own radius bound the rise. By the
-  /// same with the roles exchanged they bound the fall, t being that of the other line.
+  /// The distance of a point from an axis through D and P. Let t be the place of its foot, D + t (P - D). Any line of
+  /// the balls lies within r_D |1 - t| + r_P |t| of this one at t: that and the point's own radius bound the rise. With
+  /// the roles exchanged, and t on the other line, the same numbers bound the fall.
   static Interval distance(const LandmarkBall& point, const Axis& axis) {
     const auto shift = [&](const Interval& t) {
       return point.radius + axis.from.radius * abs(Interval(T(1.0)) - t) + axis.to.radius * abs(t);
@@ -208,9 +208,9 @@ struct FemurGeometry {
     return {std::max(T(0.0), (middle - shift(at.wherever)).lower()), (middle + shift(at.at)).upper()};
   }
 
-  /// From the axis to the point, across the axis: by how much at most its direction, e, turns over the balls. Seen from
-  /// P it is the projection of v = point - P across the axis, which is off by no more than v is, plus |v| sin(tilt),
-  /// since the projections across two directions differ by the sine of their angle.
+  /// The largest turn, over the balls, of the direction e from the axis to the point, across the axis. Seen from P it
+  /// is the direction of the projection of v = point - P across the axis. The projection is off by no more than v is,
+  /// plus |v| sin(tilt), since projections across two directions differ by the sine of their angle.
   static Interval turn_of_perpendicular(const LandmarkBall& point, const Axis& axis) {
     const VectorBall v = difference(point, axis.to);
     const Interval off = v.reach + verify::length(v.centre) * sin(axis.tilt);
@@ -225,10 +225,10 @@ struct FemurGeometry {
     return verify::cross(s, verify::cross(difference(point, axis.to).centre, s));
   }
 
-  /// The distance of one point from an axis less that of another. They share the axis: its derivatives, -(1 - t) e in D
-  /// and -t e in P, nearly cancel. By the mean value theorem the difference is off that of the centres by no more than
-  /// r_D |(1 - t) e - (1 - t') e'| + r_P |t e - t' e'| + r + r', each bounded over all lines of the balls, where
-  /// |t e - t' e'| <= |t - t'| + |t'| |e - e'|.
+  /// The distance of one point from an axis minus the distance of another. They share the axis: the derivatives, -(1 -
+  /// t) e in D and -t e in P, nearly cancel. By the mean value theorem the difference is off the centres' difference by
+  /// no more than r_D |(1 - t) e - (1 - t') e'| + r_P |t e - t' e'| + r + r'. Each term is bounded over all lines of
+  /// the balls, with |t e - t' e'| <= |t - t'| + |t'| |e - e'|.
   static Interval difference_of_distances(const LandmarkBall& point, const LandmarkBall& other, const Axis& axis) {
     const Interval apart = distance(point, axis) - distance(other, axis);
     const Interval turns = turn_of_perpendicular(point, axis) + turn_of_perpendicular(other, axis);
@@ -251,7 +251,8 @@ struct FemurGeometry {
     return {std::max(T(0.0), found.lower()), found.upper()};
   }
 
-  /// How far v reaches along the axis: tilted by t it changes by at most |v_across| sin t + |v_along| (1 - cos t).
+  /// How far v reaches along the axis. If the axis tilts by t, this changes by at most |v_across| sin t + |v_along| (1
+  /// - cos t).
   static Interval extent(const VectorBall& v, const Axis& axis) {
     const IntervalVector3& s = axis.direction.centre;
     const Interval size = verify::length(s);
@@ -260,7 +261,7 @@ struct FemurGeometry {
     return within(along, v.reach + across * sin(axis.tilt) + abs(along) * (Interval(T(1.0)) - cos(axis.tilt)));
   }
 
-  /// What of the landmarks is there.
+  /// The available landmarks.
   class Femur {
    public:
     Femur(const FemurLandmarks& landmarks, std::optional<Side> side, double radius)
@@ -279,7 +280,7 @@ struct FemurGeometry {
       return LandmarkBall{verify::exact<T>(*at), Interval(T(radius_))};
     }
 
-    /// Nothing where a point is missing or where they may be the same.
+    /// The axis; nothing if a point is missing or if both points may be the same.
     [[nodiscard]] std::optional<Axis> axis(std::optional<Point> FemurLandmarks::*from,
                                            std::optional<Point> FemurLandmarks::*to) const {
       const std::optional<LandmarkBall> start = ball(from);
@@ -324,8 +325,9 @@ struct FemurGeometry {
     double radius_;
   };
 
-  /// Of the medial directions of both, `line` from lateral to medial: ahead of the line is positive. About the shaft,
-  /// which points upward, that is the positive sense of the left femur and the negative one of the right.
+  /// The angle between the medial directions of both; `line` leads from lateral to medial. Ahead of the line is
+  /// positive. About the shaft, which points upward, this is the positive sense for the left femur and the negative one
+  /// for the right.
   static std::optional<Interval> version(const std::optional<Axis>& line, const std::optional<VectorBall>& neck,
                                          const std::optional<Axis>& shaft, std::optional<Side> side) {
     if (!line || !neck || !shaft || !side) return std::nullopt;
@@ -362,7 +364,8 @@ struct FemurGeometry {
     Interval tilt;
   };
 
-  /// In degrees: no choice gives an axis that tilts farther from the direction. Precondition: that is not 0.
+  /// In degrees: no choice of landmarks gives an axis that tilts farther from the direction. Precondition: the
+  /// direction is not 0.
   static double tilt_from(const Point& direction, const TiltedVector& axis) {
     const Interval between = verify::angle_between(axis.centre, verify::exact<T>(direction));
     return enclosure(in_degrees(axis.tilt + between)).hi;
@@ -380,7 +383,7 @@ struct FemurGeometry {
     return {direction, tilt_from(direction, axis)};
   }
 
-  /// z' is what the tilt of y does to z, and then the change of azimuth about y; x' likewise.
+  /// The tilt of z' consists of the effect of y's tilt on z and of the change of azimuth about y; likewise for x'.
   static std::optional<std::array<TiltedVector, 3>> frame_of(const Femur& femur) {
     const auto knee = femur.knee();
     const auto head = femur.ball(&FemurLandmarks::head_centre);
@@ -550,7 +553,7 @@ std::vector<Finding> judged(const std::vector<Feature>& claims, const FemurFeatu
   return findings;
 }
 
-/// Whose origin is the head's centre itself.
+/// The origin of the frame is the head's centre itself.
 std::array<Finding, 3> judged(const FemurFrame& claim, const FeatureClaims& claims) {
   std::array<Finding, 3> findings{nothing_known, nothing_known, nothing_known};
   const std::array axes{&claim.x, &claim.y, &claim.z};

@@ -11,16 +11,16 @@
 
 namespace verisq::verify {
 
-// Features of a femur in 127-bit intervals: what claims of them are compared with.
+// Features of a femur in 127-bit intervals, for comparison with claims.
 
-/// As the functions of verisq/features.hpp, each end rounded outward to binary64.
+/// The same values as the functions of verisq/features.hpp, each end rounded outward to binary64.
 [[nodiscard]] FemurFeatures precise_femur_features(const FemurLandmarks& landmarks, std::optional<Side> side,
                                                    double landmark_radius);
 [[nodiscard]] FemurFeatures precise_implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
                                                     double landmark_radius, const FemurLandmarks& implant);
 
-/// Of the frame's axes x, y, z: how far in degrees each tilts at most from a direction; nothing where the landmarks
-/// make no frame. Precondition: finite, not 0.
+/// For each of the frame's axes x, y, z: the largest angle in degrees by which the axis tilts from a direction. Nothing
+/// if the landmarks determine no frame. Precondition: finite, not 0.
 [[nodiscard]] std::optional<std::array<double, 3>> precise_tilts(const FemurLandmarks& landmarks,
                                                                  std::optional<Side> side, double landmark_radius,
                                                                  const std::array<Point, 3>& directions);
@@ -55,12 +55,12 @@ struct VectorBall {
 template <class T>
 [[nodiscard]] VectorBall<T> difference(const LandmarkBall<T>& to, const LandmarkBall<T>& from);
 
-/// In radians: no vector of the ball is more than this from its centre's direction, and some are; nothing below pi is
-/// proven where the ball holds 0.
+/// In radians: no vector of the ball tilts farther from the direction of its centre, and some vectors tilt as far. If
+/// the ball contains 0, nothing below pi is proven.
 template <class T>
 [[nodiscard]] BasicInterval<T> tilt(const VectorBall<T>& v);
 
-/// asin of what lies in [0, 1], pi / 2 beyond; the angle whose sine is at most x.
+/// asin of the part of x in [0, 1], pi / 2 beyond 1; the angle whose sine is at most x.
 template <class T>
 [[nodiscard]] BasicInterval<T> arcsine(const BasicInterval<T>& x);
 

@@ -81,7 +81,7 @@ std::optional<FixedPoints> fixed_points(const PreciseBox& z, const std::vector<P
 
 namespace {
 
-/// What is missing for the balance, one an unknown; then what an equilibrium consists of.
+/// The components of the balance, one for each unknown; then the parts of an equilibrium.
 template <class T>
 std::vector<T> components(const StandingBody& body, const std::vector<T>& parameters, const std::vector<T>& unknowns) {
   Posture<T> posture{unknowns.front(), {}};
@@ -110,7 +110,7 @@ std::vector<T> components(const StandingBody& body, const std::vector<T>& parame
   return list;
 }
 
-/// The same with derivatives by the unknowns, then by the uncertain parameters that are no points.
+/// The same components with derivatives by the unknowns, then by the uncertain parameters that are no points.
 std::vector<Differentiated> derivatives(const StandingBody& body, const PreciseBox& box, const PreciseBox& postures,
                                         std::span<const std::uint32_t> variables) {
   const std::size_t count = postures.size() + variables.size();

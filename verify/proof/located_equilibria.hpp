@@ -38,7 +38,7 @@ using PreciseBox = std::vector<PreciseInterval>;
       inner, outer, [](const auto& a, const auto& b) { return a.lower() > b.lower() && a.upper() < b.upper(); });
 }
 
-/// What lies in both. Throws std::domain_error where nothing does.
+/// The intersection of both boxes. Throws std::domain_error if it is empty.
 [[nodiscard]] inline PreciseBox common(const PreciseBox& a, const PreciseBox& b) {
   PreciseBox result;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -78,24 +78,24 @@ using PreciseBox = std::vector<PreciseInterval>;
 /// Rows of a matrix in floating point.
 using ApproximateMatrix = std::vector<std::vector<double>>;
 
-/// Of a square matrix, by Gauss and Jordan, about: whatever it is, is sound where it serves. Nothing where the matrix
-/// seems singular.
+/// The approximate inverse of a square matrix, by Gauss and Jordan. Proofs that use it are sound whatever its entries
+/// are. Nothing if the matrix seems singular.
 [[nodiscard]] std::optional<ApproximateMatrix> approximate_inverse(ApproximateMatrix m);
 
-/// Of x = z + C x for all matrices of `c`: where there is exactly one for each, and where it lies (Rump 1999, theorem
-/// 10.2: z + C W inside W proves that the spectral radius of |C| is below 1).
+/// The solutions of x = z + C x for all matrices of `c`: exactly one for each, and a box that contains them (Rump 1999,
+/// theorem 10.2: z + C W inside W proves that the spectral radius of |C| is below 1).
 struct FixedPoints {
-  PreciseBox tried;  ///< the operator maps it into its inside
+  PreciseBox tried;  ///< the operator maps this box into its interior
   PreciseBox found;
 };
 
-/// Of a square matrix by its rows. Nothing where that is not proven.
+/// `c` is a square matrix by its rows. Nothing if the solutions are not proven.
 [[nodiscard]] std::optional<FixedPoints> fixed_points(const PreciseBox& z, const std::vector<PreciseBox>& c);
 
 // Equilibria for all parameters of a box, beside the line that they follow to first order (docs/stance.md §7).
 
-/// All postures of `postures` that are equilibria for a parameter of the box: one for each. With x the middle of the
-/// postures and p that of the box, they are x + S (q - p) + e for q in the box, S being the slopes.
+/// All postures of `postures` that are equilibria for a parameter of the box: one for each. Let x be the middle of the
+/// postures, p the middle of the box and S the slopes. Then the postures are x + S (q - p) + e for q in the box.
 class LocatedEquilibria {
  public:
   static std::optional<LocatedEquilibria> in(const StandingBody& body, const PreciseBox& box,
@@ -103,13 +103,13 @@ class LocatedEquilibria {
 
   [[nodiscard]] const std::vector<std::uint32_t>& variables() const { return variables_; }
 
-  /// The unknowns, in place of what is missing for the balance; then all others.
+  /// The ranges of all components, with the unknowns in place of the components of the balance; then all others.
   [[nodiscard]] PreciseBox ranges() const;
 
-  /// Total derivatives by a variable, as `ranges`: nothing where they are not proven to be bounded.
+  /// Total derivatives by a variable, in the order of `ranges`. Nothing if they are not proven to be bounded.
   [[nodiscard]] std::optional<PreciseBox> derivatives_by(std::size_t k) const;
 
-  /// Where the postures of a part of the box lie, and the width of the errors about them: to be tried.
+  /// About where the postures of a part of the box lie, widened by the width of the errors: to be tried.
   [[nodiscard]] PreciseBox about(const PreciseBox& part) const;
 
  private:
@@ -125,7 +125,7 @@ class LocatedEquilibria {
 
   [[nodiscard]] PreciseBox middle_parameters() const;
 
-  /// Of a component by a parameter while the posture follows the line.
+  /// The derivative of a component by a parameter while the posture follows the line.
   [[nodiscard]] PreciseInterval along_line(std::size_t c, std::size_t k) const;
 
   /// -C v
@@ -140,7 +140,7 @@ class LocatedEquilibria {
   std::vector<double> middle_;            ///< x
   std::vector<std::uint32_t> variables_;  ///< uncertain parameters that are no points
   std::vector<Differentiated> over_;      ///< all components, over the box and the postures
-  PreciseBox at_;                         ///< of p and x
+  PreciseBox at_;                         ///< components at p and x
   ApproximateMatrix inverse_;             ///< C, of the derivatives of the balance by the unknowns, about
   ApproximateMatrix slopes_;              ///< S, of each unknown
   std::vector<PreciseBox> rest_;          ///< 1 - C times those derivatives

@@ -17,7 +17,7 @@ Vector3<double> exact(const Point& p) {
   return {Interval(p[0]), Interval(p[1]), Interval(p[2])};
 }
 
-/// About the centre of mass, in floating point: what is proven holds about any point.
+/// About the centre of mass, in floating point: the proof is valid for any point.
 Point middle_of(std::span<const PointOfWeight> points) {
   if (points.size() == 1) return points.front().place;
   double weight = 0.0;
@@ -52,16 +52,17 @@ std::vector<WeightedBall> weighted_balls(std::span<const PointOfWeight> points) 
 
 namespace {
 
-/// Of the limit at the points, the tightest.
+/// The number of points whose limit serves as a constraint: the tightest ones.
 constexpr std::ptrdiff_t most_constraints = 32;
-/// Balls of points are taken whole where the box moves them by more than so many of their radii, or where they are as
-/// far off: what they cost is of the square of that.
+/// A ball of points is taken whole if its radius is at most this share of the box's movement, or of the ball's
+/// distance. The loss is of the order of the share's square.
 constexpr double ball_by_reach = 0.5;
 constexpr double ball_by_distance = 0.2;
-/// What a point's range of fitness may be wide to be taken as constant, which costs a fraction: those far away.
+/// If the fitness of a point varies by less than this, it is taken as constant, at a small loss: such points are far
+/// away.
 constexpr double hardly_changes = 1e-4;
-/// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
-/// fitness say something already: next to nothing.
+/// If ranges of fitness already tell directions apart, this share of the points' movement, times the steepest slope of
+/// fitness, is added: next to nothing.
 constexpr double share_of_movement = 1e-6;
 
 /// 0 <= constant + slope·δ for the poses that keep the limit.
@@ -101,7 +102,7 @@ PoseSlope difference(const PoseSlope& a, const PoseSlope& b) {
 
 }  // namespace
 
-/// What the points of one box add up to.
+/// The sums over the points, for one box.
 class ObjectiveBound::Sum {
  public:
   Sum(const ObjectiveBound& bound, const PoseCell& cell)
@@ -125,7 +126,7 @@ class ObjectiveBound::Sum {
       std::ranges::nth_element(kept_, kept_.begin() + most_constraints, {}, &KeptLimit::tightness);
       kept_.resize(most_constraints);
     }
-    // Whether the constraints leave anything does not depend on the objective.
+    // The objective does not matter to whether any pose keeps the constraints.
     const Multipliers found = proposed(shares_of_nearest_.cwiseQuotient(half_));
     return !found.ray || !excludes(found.values);
   }
@@ -141,7 +142,7 @@ class ObjectiveBound::Sum {
     const double by_lines = (constant_ + Interval(box_.range_up(slope_))).upper();
     const double by_limit = found.ray ? infinity : (constant_ + Interval(dual_up(slope_, found.values))).upper();
     BoxBound result{std::min({by_ranges_.upper(), by_lines, by_limit, weight}), {}};
-    // Where every point may serve as well as can be, ranges of fitness do not tell which direction matters.
+    // If every point may have the best fitness, ranges of fitness cannot decide which direction matters.
     const double share = (by_ranges_.upper() < weight ? share_of_movement : 1.0) * middle(steepest_);
     for (std::size_t k = 0; k < pose_parameters; ++k) {
       const double arms = k < 3 ? weight : arms_;
@@ -186,10 +187,9 @@ class ObjectiveBound::Sum {
     return half_.head<3>().norm() + half_.tail<3>().norm() * std::sqrt(dot(arm, arm));
   }
 
-  // No point of a pose that keeps the limit P is nearer to the centre o of a contained ball than its radius less P:
-  // its signed distance would be below -P. From √(1 + z) <= 1 + z/2,
-  // |x - o| <= |e| + e/|e|·(x - x(0)) + reach²/(2 |e|), e = x(0) - o. False: every pose of the box has the point too
-  // deep.
+  // No point of a pose that keeps the limit P is nearer to the centre o of a contained ball than its radius less P: its
+  // signed distance would be below -P. From √(1 + z) <= 1 + z/2, |x - o| <= |e| + e/|e|·(x - x(0)) + reach²/(2 |e|), e
+  // = x(0) - o. False: in every pose of the box the point lies too deep.
   bool constrain(const Point& v, const ContainedBall& ball) {
     const BoxOfPoses::Arm arm = box_.arm(v);
     const Interval reach(arm.reach);
@@ -212,7 +212,7 @@ class ObjectiveBound::Sum {
     return true;
   }
 
-  /// Of a point in a pose from a half-space, no less than that says where it is positive; its slope follows.
+  /// A lower bound of a point's distance from a half-space where it is positive; its slope follows.
   [[nodiscard]] static Interval distance(const BoxOfPoses::Arm& arm, const ContainingHalfSpace& half_space) {
     return vector(half_space.normal).dot(arm.from_centre) + Interval(half_space.at_centre);
   }
@@ -221,7 +221,7 @@ class ObjectiveBound::Sum {
     return box_.slope(arm, box_.rotation() * vector(half_space.normal));
   }
 
-  /// Whether the ball of points is too coarse.
+  /// Returns true if the ball of points is too coarse; else adds it.
   bool add(const WeightedBall& ball) {
     const Point at = from_centre(ball.centre);
     const std::span<const ContainingHalfSpace> half_spaces = SolidField::half_spaces(field_.near(at));
@@ -229,7 +229,7 @@ class ObjectiveBound::Sum {
     const double about = about_reach(ball.centre);
     if (ball.second != 0 && ball.radius > ball_by_reach * about && ball.radius > ball_by_distance * (least - about))
       return true;
-    // Where a primitive has no half-space nothing is known of the distance.
+    // If a primitive has no half-space, nothing is known about the distance.
     if (least > -infinity) {
       add_line(ball, half_spaces, first, falling_fitness_up(objective_.fitness, least));
     } else {
@@ -243,9 +243,9 @@ class ObjectiveBound::Sum {
     constant_ += value;
   }
 
-  // With n the normal of the first half-space, the distance of the points of the ball from it is L(δ) = middle +
-  // slope·δ or more, but for what they are off the ball's centre: n·R^T (v - centre), no more than the radius each, and
-  // all together, weighted, no more than the moment. A line above the fitness is positive over the range, so that the
+  // Let n be the normal of the first half-space. The distance of the ball's points from it is at least L(δ) = middle +
+  // slope·δ, but for their offsets from the ball's centre: n·R^T (v - centre). Each offset is no more than the radius,
+  // and their weighted sum no more than the moment. A line above the fitness is positive over the range, so that the
   // weights may be rounded up. `at_centre` is about the fitness at the centre of the box.
   void add_line(const WeightedBall& ball, std::span<const ContainingHalfSpace> half_spaces, std::size_t first,
                 double at_centre) {
@@ -283,7 +283,7 @@ class ObjectiveBound::Sum {
     }
     const double by_range = falling_fitness_up(objective_.fitness, lowest);
     LineAbove line = line_above(objective_.fitness, middle, half);
-    // The fitness of what is nearer by e is larger by no more than e times its steepest slope.
+    // The fitness of a point that is nearer by e is larger by no more than e times its steepest slope.
     line.value += steepest_ * Interval(nearer);
     if (line.value.upper() >= by_range) line = {Interval(by_range), Interval(0)};
     const Interval weight(ball.weight);
@@ -322,7 +322,7 @@ class ObjectiveBound::Sum {
     return (constants + Interval(box_.range_up(objective))).upper();
   }
 
-  /// No pose of the box keeps the limit: a sum of numbers that would not be negative is.
+  /// True proves that no pose of the box keeps the limit: a sum that any such pose makes nonnegative is negative.
   [[nodiscard]] bool excludes(std::span<const double> multipliers) const { return dual_up({}, multipliers) < 0.0; }
 
   const SolidField& field_;
@@ -333,14 +333,14 @@ class ObjectiveBound::Sum {
   Interval constant_{0};
   PoseSlope slope_{};
   std::vector<KeptLimit> kept_;
-  std::vector<Interval> distances_;  ///< of the points at hand, from every half-space
+  std::vector<Interval> distances_;  ///< distances of the current points from every half-space
   bool too_deep_ = false;
-  // What follows only proposes.
+  // The following members only propose.
   Point pivot_{};
-  std::array<Point, 3> columns_{};  ///< of the rotation
+  std::array<Point, 3> columns_{};  ///< columns of the rotation
   PoseParameters half_;
   std::array<double, pose_parameters> spread_{};
-  double arms_ = 0.0;  ///< weighted lengths from where the implant turns
+  double arms_ = 0.0;  ///< weighted lengths of the arms from the centre of the implant's rotation
   double nearest_to_exclude_ = infinity;
   PoseParameters shares_of_nearest_ = PoseParameters::Ones();
 };

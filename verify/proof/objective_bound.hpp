@@ -109,7 +109,7 @@ template <class Ball, class WeightedPoint, class BallOf>
   return balls;
 }
 
-/// From the root, the children of those that `visit` returns true for.
+/// Visits the balls from the root; goes on to the children of each ball for which `visit` returns true.
 template <class Ball, class Visit>
 void visit_balls(std::span<const Ball> balls, const Visit& visit) {
   std::array<std::uint32_t, 64> waiting{};  // more than the tree is high
@@ -134,7 +134,7 @@ struct PointOfWeight {
 struct WeightedBall {
   Point centre;
   double radius;
-  double weight;         ///< of all
+  double weight;         ///< the weight of all points
   double moment;         ///< |Σ weight (point - centre)|
   std::uint32_t second;  ///< index of the second child; the first follows its parent; 0: a single point, the centre
 };
@@ -142,9 +142,9 @@ struct WeightedBall {
 /// The root is the first. Precondition: at least one point, finite.
 [[nodiscard]] std::vector<WeightedBall> weighted_balls(std::span<const PointOfWeight> points);
 
-// No pose of a box that keeps the limit has a larger objective than this (docs/mathematics.md §24), in intervals.
+// Bounds the objective, in intervals, over all poses of a box that keep the limit (docs/mathematics.md §24).
 
-/// What is bounded: Σ weight f(distance of a point), where no point lies deeper than the limit.
+/// The bounded objective: Σ weight f(distance of a point), for poses in which no point lies deeper than the limit.
 struct BoundedObjective {
   Fitness fitness;
   double penetration_limit;
@@ -152,11 +152,12 @@ struct BoundedObjective {
 };
 
 struct BoxBound {
-  double upper;  ///< proven of every pose of the box that keeps the limit; -infinity: none does
-  std::array<double, pose_parameters> spread;  ///< what each direction adds to it, about: the widest is to be divided
+  double upper;  ///< proven for every pose of the box that keeps the limit; -infinity: no pose keeps it
+  std::array<double, pose_parameters> spread;  ///< about each direction's contribution to `upper`: the direction with
+                                               ///< the widest is to be divided
 };
 
-/// Of one implant. Any number of threads may ask.
+/// The bound for one implant. Any number of threads may call it.
 class ObjectiveBound {
  public:
   /// Keeps a reference of the objective. Precondition: a union of convex primitives; all numbers finite.

@@ -111,8 +111,8 @@ double MovingPairs::lower_by_vector(std::size_t i, std::size_t j, const Point& v
 
 namespace {
 
-/// No bound is NaN: each has been through an interval, which holds none. Those of primitives that both models have,
-/// with what `bound` says of each from below, and spheres of all others.
+/// The least bound of all pairs. For primitives that both models have, it uses the certificate's vectors by
+/// `by_vector`; for all others it uses spheres. No bound is NaN: each has been through an interval, which holds none.
 template <class ByVector>
 double least_distance(const MovingPairs& moving, const PairCertificate& certificate, const Hook& interrupted,
                       const ByVector& by_vector) {
@@ -197,7 +197,7 @@ Finding PairChecker::operator()(const Pose& pose, const Enclosure& claimed, cons
 }
 
 struct PathChecker::State {
-  /// Of a distance: at least 0; 0 of what is no part of the path between two poses.
+  /// A lower bound of the distance: at least 0; 0 for a part that is not part of the path between two poses.
   [[nodiscard]] double lower(double begin, const PathPart& part, const verify::Hook& interrupted) const {
     const double until = part.until;
     const bool all_at_rest = path.last_time() == 0.0 && begin == 0.0 && until == 0.0;
@@ -206,7 +206,7 @@ struct PathChecker::State {
     return models.lower(path.motion_between(begin, until), part.certificate, interrupted);
   }
 
-  /// At `nearest`; infinity of a time that is none of the path.
+  /// The upper end at `nearest`; infinity for a time outside the path.
   [[nodiscard]] double upper(const PathCertificate& certificate, const verify::Hook& interrupted) const {
     const double time = certificate.nearest;
     if (!(time >= 0.0 && time <= path.last_time())) return infinity;
@@ -230,7 +230,7 @@ double PathChecker::lower(double begin, const PathPart& part) const {
   return state_->lower(begin, part, {});
 }
 
-// A part begins where the one before ends: what is proven is proven up to `begin`.
+// A part begins where the part before ends: the proof covers the path up to `begin`.
 PathClaims PathChecker::prove(const PathCertificate& certificate, const CheckOptions& options) const {
   const std::vector<PathPart>& parts = certificate.parts;
   std::vector<double> lower(parts.size(), 0.0);

@@ -1,4 +1,4 @@
-/// Proves distances of two models again: what a proof of a pair is, the bounds that it gives, its checker.
+/// Proves distances of two models again: the parts of a proof for a pair, the bounds that it gives, its checker.
 #pragma once
 
 #include <variant>
@@ -15,7 +15,7 @@ namespace verisq::verify {
 
 // Bounds of the distance of two convex solids, at rest and in motion.
 
-// Two posed superquadrics A and B in A's own frame, and what one evaluation proves about their distance.
+// Two posed superquadrics A and B in A's own frame, and the bounds that one evaluation proves about their distance.
 
 /// Bounds of the distance of A and B (docs/mathematics.md §7), each by a single evaluation in 127-bit interval
 /// arithmetic. Points of B are stated in B's own frame, all else in A's. The solids must outlive this.
@@ -75,15 +75,15 @@ class PosedPairs {
   [[nodiscard]] std::size_t size_a() const { return a_->primitives.size(); }
   [[nodiscard]] std::size_t size_b() const { return b_->primitives.size(); }
 
-  /// Of spheres about the primitives' centres that contain them.
+  /// The radii of spheres about the primitives' centres that contain the primitives.
   [[nodiscard]] const PreciseInterval& radius_a(std::size_t i) const { return a_->primitives[i].radius(); }
   [[nodiscard]] const PreciseInterval& radius_b(std::size_t j) const { return b_->primitives[j].radius(); }
 
-  /// From a primitive's own frame to that of model A.
+  /// The motion from a primitive's own frame to the frame of model A.
   [[nodiscard]] const RigidMotion& motion_a(std::size_t i) const { return a_->motions[i]; }
   [[nodiscard]] const RigidMotion& motion_b(std::size_t j) const { return moved_[j]; }
 
-  /// Whether the point of A's frame is proven to lie in both models.
+  /// Returns whether the point of A's frame is proven to lie in both models.
   [[nodiscard]] bool share(const Point& x) const;
 
  private:
@@ -92,7 +92,7 @@ class PosedPairs {
   std::vector<RigidMotion> moved_;  ///< from the frame of B's primitives to A's model frame
 };
 
-// The primitives of two models, one of which moves for a short time: what single evaluations prove of it.
+// The primitives of two models, one of which moves for a short time: bounds by single evaluations.
 
 /// Model B moves. All lower bounds hold at all times of its short motion. The models must outlive this.
 class MovingPairs {
@@ -100,13 +100,14 @@ class MovingPairs {
   MovingPairs(const PosedPrimitives& a, const PosedPrimitives& b, const ShortMotion& motion)
       : a_(&a), b_(&b), motion_(motion), pairs_(a, b, motion.pose()) {}
 
-  /// At the moment.
+  /// The pairs at the moment.
   [[nodiscard]] const PosedPairs& pairs() const { return pairs_; }
 
-  /// Of the distance of two primitives, by the spheres about them. Rounded down; may be negative.
+  /// A lower bound of the distance of two primitives, by the spheres about them. Rounded down; may be negative.
   [[nodiscard]] double lower_by_spheres(std::size_t i, std::size_t j) const;
 
-  /// By any direction in the frame of A's primitive, best from A to B; -infinity for one that is zero or not finite.
+  /// A lower bound by any direction in the frame of A's primitive, best from A to B; -infinity for a direction that is
+  /// zero or not finite.
   [[nodiscard]] double lower_by_vector(std::size_t i, std::size_t j, const Point& vector) const;
 
  private:
@@ -123,7 +124,7 @@ class ModelPair {
  public:
   ModelPair(const Model& a, const Model& b);
 
-  /// As PairChecker::prove, of B where `pose` moves it.
+  /// Like PairChecker::prove, with B moved by `pose`.
   [[nodiscard]] Enclosure distance(const RigidMotion& pose, const PairCertificate& certificate,
                                    const Hook& interrupted = {}) const;
 

@@ -11,7 +11,7 @@ namespace verisq::verify {
 
 namespace {
 
-/// Its faces lie where the support function says.
+/// The box's faces are given by the support function.
 PreciseVector box_about(const SuperquadricBounds<Real>& bounds) {
   const auto reach = [&](int x, int y, int z) { return bounds.support_up(PreciseVector(x, y, z)); };
   const auto between = [](const Real& below, const Real& above) { return PreciseInterval(-below, above); };
@@ -119,7 +119,7 @@ PreciseVector PosedBent::bent(const PreciseVector& unbent) const {
 }
 
 /// r = (2R - k (R² + Z²)) / (1 + W), z = 2Z/(W + m) atan(τ)/τ with m = 1 - k R, W = |(m, k Z)|, τ = k Z/(W + m).
-/// Nothing where W + m may be 0: at the half plane in which the angle jumps.
+/// Nothing if W + m may be 0: at the half plane in which the angle jumps.
 std::optional<PreciseVector> PosedBent::unbent(const PreciseVector& bent) const {
   const PreciseInterval one(1);
   const PreciseInterval two(2);
@@ -152,7 +152,7 @@ PreciseMatrix PosedBent::unbending(const PreciseVector& unbent) const {
   return turn.transpose() * (PreciseMatrix({c, 0, -s}, {0, 1, 0}, {s / w, 0, c / w}) * turn);
 }
 
-/// The range is also what the derivative says (mean value theorem), which is tighter in small regions.
+/// The derivative bounds the range, too (mean value theorem), which is tighter in small regions.
 std::optional<OwnRegion> PosedBent::over(const PreciseVector& centre, const std::array<Real, 3>& half) const {
   const PreciseMatrix to_own = motion_.rotation.transpose();
   const PreciseVector own = to_own * (centre - motion_.translation);
@@ -227,8 +227,8 @@ bool PosedBent::contains(const Point& x) const {
   return own && bounds_.gauge_up(*own - focus_) <= Real(1);
 }
 
-/// Of points within `upper` of the query, where that is nearer than the centre of curvature, |sin(γ - γ_q)| <=
-/// |k| upper / W_q and the cosine is positive; with |γ - γ_q| below three quarters of a turn they are within a quarter.
+/// For points within `upper` of the query, if that is nearer than the centre of curvature, |sin(γ - γ_q)| <= |k| upper
+/// / W_q and the cosine is positive. With |γ - γ_q| below three quarters of a turn they are within a quarter.
 std::optional<PosedBent::Rise> PosedBent::rise(const PreciseVector& unbent_query, const PreciseVector& x0,
                                                const Real& upper) const {
   const PreciseVector turned_q = turned(unbent_query);

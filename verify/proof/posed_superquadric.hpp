@@ -1,4 +1,4 @@
-/// Superquadrics in their place, bent or not, and what certificates prove about them.
+/// Superquadrics in their place, bent or not, and the bounds that certificates prove about them.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace verisq::verify {
 
-// One posed superquadric K and what single evaluations prove about a point of the model frame.
+// One posed superquadric K and the bounds that single evaluations prove about a point of the model frame.
 //
 // The origin of K's own frame is its focus (docs/mathematics.md §18), without a taper its centre.
 
@@ -36,14 +36,14 @@ class PosedSuperquadric {
   [[nodiscard]] const RigidMotion& motion() const { return motion_; }  ///< from K's own frame
   /// The smallest box along the axes of K's own frame that contains K.
   [[nodiscard]] const PreciseVector& box() const { return box_; }
-  /// Of a sphere about the origin that contains K.
+  /// The radius of a sphere about the origin that contains K.
   [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
 
   /// sd(x) >= |x - origin| - radius
   [[nodiscard]] double lower_by_sphere(const PreciseVector& x) const;
   [[nodiscard]] double lower_by_sphere(const Point& x) const { return lower_by_sphere(precise(x)); }
 
-  /// Whether no point of the box lies in K, as the sphere proves.
+  /// Returns whether the sphere proves that no point of the box lies in K.
   [[nodiscard]] bool misses(const PreciseVector& box) const { return lower_by_sphere(box) > 0.0; }
 
   /// sd(x) >= (v·x - h(v)) / |v| for any v, in K's own frame like every v here.
@@ -70,12 +70,13 @@ class PosedSuperquadric {
   PreciseInterval radius_;
 };
 
-// One posed and bent superquadric β(K), and what single evaluations prove about a point of the model frame
+// One posed and bent superquadric β(K), and the bounds that single evaluations prove about a point of the model frame
 // (docs/mathematics.md §9).
 
-/// As PosedSuperquadric, whose functions of the same names say what they prove. The origin of the own frame, in which
-/// all vectors are stated, is the centre, also of a tapered solid: bends act about it. What cannot be proven, as where
-/// the condition of §9 does not hold, is an infinite end or false. Immutable after construction.
+/// Has functions of the same names as PosedSuperquadric, which proves the same bounds by them. All vectors are in its
+/// own frame. The frame's origin is the centre, also for a tapered solid: bends act about it. An unproven end is
+/// infinite, an unproven statement false, for example if the condition of §9 does not hold. Immutable after
+/// construction.
 class PosedBent {
  public:
   /// Precondition: `primitive` has a bend.
@@ -103,28 +104,29 @@ class PosedBent {
 
   [[nodiscard]] bool contains(const Point& x) const;
 
-  /// Whether the ball is proven to lie in β(K), as it does where it is more curved at x - v, |v| = radius, than the
-  /// boundary. `v` may have any length.
+  /// Returns whether the ball is proven to lie in β(K). It lies in β(K) if it is more curved at x - v, |v| = radius,
+  /// than the boundary. `v` may have any length.
   [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v, const Hook& = {}) const;
 
-  /// Unbent, about the focus. Nothing where the region may meet the half plane in which the angle jumps.
+  /// The region before the bend, about the focus. Nothing if the region may meet the half plane in which the angle
+  /// jumps.
   [[nodiscard]] std::optional<OwnRegion> over(const PreciseVector& centre, const std::array<Real, 3>& half) const;
 
-  /// How far f rises above its tangent planes at points of K: the condition's left side less its right one, >= 0,
-  /// rounded down, and the largest turn |δ| of the points that count.
+  /// How far f rises above its tangent planes at points of K. `margin` is the condition's left side minus its right
+  /// side, >= 0, rounded down. `turn` is the largest turn |δ| of the relevant points.
   struct Rise {
     Real margin;
     Real turn;
   };
 
-  /// Of tangent planes at `x0`, any of a box, on all points of K as near to the query as `upper`, a bound of its
-  /// distance. Nothing where it is not proven.
+  /// The rise above tangent planes at `x0`, any point of a box, on all points of K as near to the query as `upper`, a
+  /// bound of its distance. Nothing if the rise is not proven.
   [[nodiscard]] std::optional<Rise> rise(const PreciseVector& unbent_query, const PreciseVector& x0,
                                          const Real& upper) const;
 
  private:
   struct Query {
-    PreciseVector bent;  ///< in the own frame
+    PreciseVector bent;  ///< the point in the own frame
     std::optional<PreciseVector> unbent;
   };
 
@@ -142,9 +144,9 @@ class PosedBent {
   PreciseVector focus_;  ///< about which gauge and support function are
   RigidMotion motion_;
   PreciseInterval k_;
-  PreciseInterval cosine_, sine_;  ///< of the direction's angle from x to y
+  PreciseInterval cosine_, sine_;  ///< cosine and sine of the direction's angle from x to y
   PreciseInterval angle_;          ///< the largest |γ| of K
-  PreciseInterval radius_;         ///< of a sphere about the origin that contains β(K)
+  PreciseInterval radius_;         ///< radius of a sphere about the origin that contains β(K)
 };
 
 }  // namespace verisq::verify

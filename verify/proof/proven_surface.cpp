@@ -34,7 +34,8 @@ PatchDistance distance_from(const Patch& patch, const TriangleTree& triangles, d
 
 namespace {
 
-/// One triangle alone is asked about where it is nearer than so many radii of the piece: elsewhere distances alone do.
+/// A single nearest triangle is used if it is nearer than so many radii of the piece; elsewhere distances alone are
+/// enough.
 constexpr double thin_in_radii = 4.0;
 
 PieceDistances on_half(const Triangle& half, const std::array<Enclosure, 3>& at_corners,
@@ -45,8 +46,8 @@ PieceDistances on_half(const Triangle& half, const std::array<Enclosure, 3>& at_
   const TriangleTree::Nearest nearest = triangles.nearest(middle);
   TrianglePiece piece{.corners = half, .triangle = 0, .at_corners = at_corners};
   piece.at_centre = widened(nearest.distance, off);
-  // Where one triangle alone is near, the distance is that from a convex set: another one is no nearer to any point
-  // of the piece than the first is, if it is farther from the middle than that by two radii.
+  // If one triangle alone is near, the distance is the distance to a convex set. Another triangle is no nearer to any
+  // point of the piece than the first, if it is farther from the middle than the first by two radii.
   if (nearest.distance.hi < thin_in_radii * shape.radius) {
     const double reach =
         add(add(piece.at_centre.hi, off, Direction::up), multiply(2.0, shape.radius, Direction::up), Direction::up);
@@ -71,12 +72,12 @@ WeightedCell weighted_patch(const Patch& patch, const PatchArea& area, const Tri
   const PieceDistances other = on_half(second, {at_corners[0], at_corners[2], at_corners[3]}, triangles);
   const Enclosure flat{std::min(one.range.lo, other.range.lo), std::max(one.range.hi, other.range.hi)};
   const auto what = [] { return "distances on a patch"; };
-  // Where sizes leave binary64 nothing is known: what is no number would be taken for a contradiction.
+  // If sizes leave binary64, nothing is known: NaN would be taken for a contradiction.
   if (!(patch.thickness < infinity) || !(flat.hi < infinity)) return {area.area, known, known};
   WeightedCell cell{area.area, intersection(known, beyond(flat, patch.thickness), what), {}};
   cell.mean = cell.range;
 
-  // With shares distributed evenly the mean is that of both halves; with the patch's density it is off by the
+  // With shares distributed evenly the mean is the mean of both halves. With the patch's density it is off by the
   // covariance, at most a quarter of the product of both ranges (Grüss).
   const double width = subtract(cell.range.hi, cell.range.lo, Direction::up);
   const double off = add(area.correspondence,
@@ -167,14 +168,14 @@ namespace {
 
 constexpr std::size_t by_nothing = static_cast<std::size_t>(-1);
 
-/// A patch, and by which of the points it is said to lie on the boundary, or off it.
+/// A patch, and the points that are said to prove it on the boundary, or off it.
 struct ToldPatch {
   PatchCell cell;
   std::size_t on = by_nothing;
   std::size_t off = by_nothing;
 };
 
-/// Makes the patches that a cover names: the octants cover the surface, and halves what is halved.
+/// Makes the patches that a cover names: the octants cover the surface, and the halves cover each halved patch.
 class Walk {
  public:
   Walk(const Model& model, const SurfaceCover& cover) : cover_(cover) {
@@ -198,7 +199,7 @@ class Walk {
   [[nodiscard]] const std::vector<PatchedSurface>& surfaces() const { return surfaces_; }
   [[nodiscard]] std::vector<PatchedSurface> take_surfaces() { return std::move(surfaces_); }
   [[nodiscard]] std::span<const ToldPatch> leaves() const { return leaves_; }
-  /// Of each point that is said to prove a patch on the boundary.
+  /// For each point that is said to prove a patch on the boundary: that patch.
   [[nodiscard]] std::span<const PatchCell> on() const { return on_; }
 
  private:
@@ -245,7 +246,7 @@ class Walk {
   std::size_t used_ = 0;  // of the points off the boundary
 };
 
-/// Where numbers leave binary64 nothing is proven.
+/// If numbers leave binary64, nothing is proven.
 template <class Proof>
 bool is_proven(const Proof& proof) try {
   return proof();
@@ -255,15 +256,16 @@ bool is_proven(const Proof& proof) try {
 
 }  // namespace
 
-/// |sd(x)| is the distance of x from the boundary: in the ball of this radius about x there is none of it, and the
-/// patch lies in a smaller one.
+/// |sd(x)| is the distance of x from the boundary: the ball of this radius about x contains no point of the boundary,
+/// and the patch lies in a smaller ball.
 bool is_off_boundary(const Patch& patch, const Point& x, const Enclosure& signed_distance) {
   return magnitude(signed_distance).lo > patch.radius_about(x);
 }
 
-/// In a ball about x that holds the patch, and no point of other primitives' surfaces, the solid is this primitive, its
-/// complement, all or nothing. In a union where the others are outside of the ball it is the primitive; elsewhere a
-/// point of the boundary in the ball leaves the primitive and its complement, whose boundary is the same.
+/// Consider a ball about x that contains the patch and no point of other primitives' surfaces. In the ball the solid is
+/// this primitive, its complement, everything or nothing. In a union whose other primitives are outside of the ball it
+/// is the primitive. Elsewhere a boundary point in the ball leaves the primitive and its complement, whose boundary is
+/// the same.
 bool is_on_boundary(const Patch& patch, std::size_t primitive, const CertifiedPoint& by, const ProvenSamples& samples,
                     const ProvenSignedDistance& distance, const Hook& interrupted) {
   if (!is_finite(by.point)) return false;
@@ -308,7 +310,7 @@ std::size_t parts_of(const SurfaceCover& cover) {
 
 namespace {
 
-/// Of the boundary, whichever part of it lies on the patch. Infinite where numbers leave binary64.
+/// The largest distance of the boundary, whichever part of it lies on the patch. Infinite if numbers leave binary64.
 double farthest_of_patch(const CoveredSurface& surface, const PlacedPatch& placed, const TriangleTree& tree,
                          double enough) try {
   if (placed.place == PatchPlace::off) return 0.0;
@@ -318,7 +320,7 @@ double farthest_of_patch(const CoveredSurface& surface, const PlacedPatch& place
   return infinity;
 }
 
-/// From all triangles, one by one: no tree has to be believed.
+/// The lower bound from all triangles, one by one: no tree needs to be trusted.
 double distance_down(const Point& x, const std::vector<Triangle>& triangles) {
   double least = infinity;
   for (const Triangle& triangle : triangles) least = std::min(least, distance_from_triangle(x, triangle).lo);
@@ -333,8 +335,8 @@ double lower_end(const CertifiedPoint& farthest, const std::vector<Triangle>& tr
   return std::max(0.0, subtract(distance_down(farthest.point, triangles), from_boundary.hi, Direction::down));
 }
 
-/// The boundary is part of the primitives' surfaces, which the patches cover. `within` only widens: what is proven does
-/// not depend on how its bounds are rounded then.
+/// The boundary is part of the primitives' surfaces, which the patches cover. `within` only widens: the proof does not
+/// depend on the rounding of bounds below it.
 double upper_end(const CoveredSurface& surface, const TriangleTree& tree, double within, CheckSteps& steps) {
   std::vector<double> bounds(surface.patches.size(), infinity);
   steps.each(bounds.size(),
@@ -344,7 +346,7 @@ double upper_end(const CoveredSurface& surface, const TriangleTree& tree, double
   return upper;
 }
 
-/// Nothing where it is not known to be finite.
+/// Nothing if the cell is not known to be finite.
 std::optional<WeightedCell> cell_of(const CoveredSurface& surface, const PlacedPatch& placed, const TriangleTree& tree,
                                     double largest) try {
   const PatchedSurface& of = surface.surface_of(placed.cell);
@@ -372,7 +374,7 @@ AreaStatistics statistics_of(const CoveredSurface& surface, const TriangleTree& 
 
 }  // namespace
 
-/// Of what is farther than any point of the boundary nothing is part of it.
+/// A patch that is farther than any point of the boundary contains no part of it.
 std::optional<std::vector<WeightedCell>> boundary_cells(const CoveredSurface& surface, const TriangleTree& tree,
                                                         double largest, CheckSteps& steps) {
   std::vector<std::optional<WeightedCell>> cells(surface.patches.size());

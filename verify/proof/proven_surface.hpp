@@ -22,29 +22,30 @@
 
 namespace verisq::verify {
 
-// How far the points of a patch lie from many triangles, at most (docs/mathematics.md §20).
+// Upper bounds of the distances of a patch's points from many triangles (docs/mathematics.md §20).
 
 struct PatchDistance {
   double farthest;      ///< no point of the patch is farther from the nearest of the triangles
   Enclosure of_sample;  ///< the distance of the patch's sample
 };
 
-/// Tries no harder than to come below `enough`. That `farthest` is no less than any distance does not rest on the
-/// tree's search: it is a distance from those triangles that the search happens to name.
+/// Stops as soon as the bound is below `enough`. It does not depend on the tree's search that `farthest` is no less
+/// than any distance: it is a distance from the triangles that the search returns.
 [[nodiscard]] PatchDistance distance_from(const Patch& patch, const TriangleTree& triangles, double enough);
 
 // Distances of a patch's points from many triangles, and their mean by area (docs/mathematics.md §20).
 
-/// Weighed by its area; of all of its distances it is `known` already where they lie. Rests on what the tree's search
-/// finds: that no triangle is nearer.
+/// The patch weighed by its area; all of its distances are `known` in advance to lie in this enclosure. The result
+/// depends on a finding of the tree's search: that no triangle is nearer.
 [[nodiscard]] WeightedCell weighted_patch(const Patch& patch, const PatchArea& area, const TriangleTree& triangles,
                                           const Enclosure& known = {0.0, infinity});
 
-/// Of what lies on the model's boundary of a patch that may lie on it in part: its points are no farther than
-/// `largest`, and their mean is any of the range.
+/// The part of a patch on the model's boundary, for a patch that may lie on it in part. The part's points are no
+/// farther than `largest`; their mean is any number of the range.
 [[nodiscard]] WeightedCell on_boundary(WeightedCell patch, bool whole, double largest);
 
-// What certificates of signed distances at points prove of a model, whatever they claim (docs/mathematics.md §20).
+// The bounds that certificates of signed distances at points prove for a model, whatever they claim
+// (docs/mathematics.md §20).
 
 /// Immutable after construction: safe to call from many threads.
 class ProvenSamples {
@@ -52,23 +53,23 @@ class ProvenSamples {
   explicit ProvenSamples(const Model& model);
 
   [[nodiscard]] const Model& model() const { return model_; }
-  /// Whether the model is one convex primitive.
+  /// Returns whether the model is one convex primitive.
   [[nodiscard]] bool convex() const { return convex_; }
 
-  /// The claim where its certificate proves it; else what is proven instead, and `proved` is false. Once
-  /// `interrupted`, polled unless empty, says so, less is proven; here and below.
+  /// The claim if its certificate proves it; else the proven enclosure, with `proved` false. `interrupted`, unless
+  /// empty, is polled here and below; once it returns true, less is proven.
   [[nodiscard]] Enclosure distance(const Point& x, const CertifiedEnclosure& claimed, bool& proved,
                                    const Hook& interrupted = {}) const;
 
-  /// As `SampleProofs`.
+  /// The function `is_one_convex` of `SampleProofs`.
   [[nodiscard]] bool is_one_convex(const Point& x, double reach, const Certificate& certificate) const;
 
-  /// Whether the model is the union of its primitives.
+  /// Returns whether the model is the union of its primitives.
   [[nodiscard]] bool is_union() const { return is_union_; }
 
-  /// Whether nothing of the surface of any primitive but this one is proven to be within `reach` of the point, by
-  /// spheres and the normals of the certificate: all others are farther or, where the model is not their union, hold
-  /// all of that ball.
+  /// Returns whether it is proven that no other primitive's surface comes within `reach` of the point, by spheres and
+  /// the normals of the certificate. Then every other primitive is farther or, if the model is not their union,
+  /// contains all of that ball.
   [[nodiscard]] bool are_others_away(const Point& x, double reach, std::size_t primitive,
                                      const Certificate& certificate, const Hook& interrupted = {}) const;
 
@@ -80,7 +81,7 @@ class ProvenSamples {
   bool convex_;
 };
 
-/// The samples of one certificate as they are looked at, by many threads. `samples` must outlive it.
+/// The samples of one certificate, while many threads check them. `samples` must outlive this.
 class SampleTally {
  public:
   SampleTally(const ProvenSamples& samples, Hook interrupted)
@@ -92,7 +93,7 @@ class SampleTally {
   [[nodiscard]] SampleProofs proofs();
 
   [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
-  /// Those that say less than they claim, or were interrupted.
+  /// The number of samples that prove less than they claim, or were interrupted.
   [[nodiscard]] std::uint64_t unproved() const { return unproved_; }
 
  private:
@@ -105,22 +106,23 @@ class SampleTally {
 // Patches that somebody proposes to cover the surface of a model's primitives, and where each is proven to lie
 // (docs/mathematics.md §20).
 
-/// What is proven of the signed distance at a finite point, whatever is claimed.
+/// The proven enclosure of the signed distance at a finite point, whatever is claimed.
 using ProvenSignedDistance = std::function<Enclosure(const Point& x, const CertifiedEnclosure& claimed)>;
 
-/// Whether no point of the patch lies on the boundary of the model's solid, by what is proven of a point's distance.
+/// Returns whether no point of the patch lies on the boundary of the model's solid, by the proven distance of the point
+/// x.
 [[nodiscard]] bool is_off_boundary(const Patch& patch, const Point& x, const Enclosure& signed_distance);
 
-/// Whether all of a patch of this primitive's surface lies on that boundary, by a point that need not be near.
+/// Returns whether all of a patch of this primitive's surface lies on that boundary, by a point that need not be near.
 [[nodiscard]] bool is_on_boundary(const Patch& patch, std::size_t primitive, const CertifiedPoint& by,
                                   const ProvenSamples& samples, const ProvenSignedDistance& distance,
                                   const Hook& interrupted = {});
 
-/// With respect to the boundary of the model's solid.
+/// The place of a patch relative to the boundary of the model's solid.
 enum class PatchPlace : std::uint8_t {
-  open,  ///< any part of it may be part of the boundary
-  on,    ///< all of it is
-  off,   ///< nothing of it
+  open,  ///< any part of the patch may be part of the boundary
+  on,    ///< all of the patch is part of it
+  off,   ///< no part of the patch is part of it
 };
 
 /// A patch that is not halved any more.
@@ -136,21 +138,21 @@ struct CoveredSurface {
   [[nodiscard]] const PatchedSurface& surface_of(const PatchCell& cell) const { return surfaces[cell.primitive]; }
 };
 
-/// Follows the halvings, and proves where the patches lie. Nothing where they are not proven to cover the surfaces of
-/// all primitives that count (all where `counted` is empty).
+/// Follows the halvings, and proves where the patches lie. Nothing if they are not proven to cover the surfaces of all
+/// primitives that count (all primitives if `counted` is empty).
 [[nodiscard]] std::optional<CoveredSurface> covered_surface(const SurfaceCover& cover, const std::vector<bool>& counted,
                                                             const ProvenSamples& samples,
                                                             const ProvenSignedDistance& distance, CheckSteps& steps);
 
-/// How many parts `covered_surface` goes through, at most.
+/// An upper bound of the number of parts that `covered_surface` processes.
 [[nodiscard]] std::size_t parts_of(const SurfaceCover& cover);
 
-// How far the surface of a model lies from triangles, proven by patches that somebody proposes (docs/mathematics.md
-// §20).
+// The distance of the surface of a model from triangles, proven by proposed patches (docs/mathematics.md §20).
 
-/// What a proof says of the distance of the solid's boundary from triangles.
+/// The distances of the solid's boundary from triangles that a proof proves.
 struct ProvenSurface {
-  Enclosure largest{0.0, infinity};  ///< by patches no closer than `within`; from below alone where one is missing
+  Enclosure largest{0.0, infinity};  ///< by patches no closer than `within`; only the lower end is proven if a patch is
+                                     ///< missing
   AreaStatistics statistics = {};    ///< as far as patches say where they lie; of fewer percentiles, or none
 };
 
@@ -159,13 +161,13 @@ struct ProvenSurface {
                                            const DeviationChecker::Options& options, const ProvenSamples& samples,
                                            const ProvenSignedDistance& distance, CheckSteps& steps);
 
-/// The distances of what of each patch lies on the boundary, by area, no larger than `largest`. Nothing where numbers
-/// leave binary64, or no patch may lie there.
+/// For each patch, the distances of its part on the boundary, by area, no larger than `largest`. Nothing if numbers
+/// leave binary64, or if no patch may lie on the boundary.
 [[nodiscard]] std::optional<std::vector<WeightedCell>> boundary_cells(const CoveredSurface& surface,
                                                                       const TriangleTree& tree, double largest,
                                                                       CheckSteps& steps);
 
-/// How many parts `proven_surface` goes through, at most.
+/// An upper bound of the number of parts that `proven_surface` processes.
 [[nodiscard]] std::size_t parts_of(const SurfaceProof& proof);
 
 }  // namespace verisq::verify

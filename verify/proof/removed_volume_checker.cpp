@@ -1,5 +1,5 @@
-/// The parts of the cube are followed in the order of the certificate; in each that is not divided the volume is
-/// enclosed by itself, and the sums are rounded outward.
+/// Follows the parts of the cube in the order of the certificate. Each undivided part's volume is enclosed by itself,
+/// and the sums are rounded outward.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ namespace {
 
 /// Binary64 has no more halvings than that of a width whose cube it has, too.
 constexpr std::size_t deepest_division = 64;
-/// So many cubes are to be shared by threads, or about as many as there are.
+/// At least this number of cubes is to be shared by threads, or about as many cubes as there are.
 constexpr std::size_t enough_for_all_threads = 512;
 
 Enclosure sum_of(const Enclosure& a, const Enclosure& b) {
@@ -50,11 +50,12 @@ struct SweepingPrimitive {
 };
 using SweepingPrimitives = std::vector<SweepingPrimitive>;
 
-/// A cube of the certificate, and what of the case matters there.
+/// A cube of the certificate, and the parts of the case that matter there.
 struct CubeInCase {
   Cube cube;
   std::size_t index = 0;                                      ///< in the certificate
-  std::shared_ptr<const SweepingPrimitives> primitives = {};  ///< no others sweep anything of it, nor at other times
+  std::shared_ptr<const SweepingPrimitives> primitives = {};  ///< no other primitives sweep any of the cube, nor do
+                                                              ///< these at other times
   std::vector<BoundingSurface::Piece> surfaces = {};
 };
 
@@ -74,7 +75,7 @@ std::optional<Cube> octant_of(const Cube& cube, unsigned octant) {
 /// A certificate's cubes.
 class Division {
  public:
-  /// Nothing unless they are the parts of one cube.
+  /// Nothing unless `cubes` are the parts of one cube.
   static std::optional<Division> of(std::span<const CubeDivision> cubes) {
     struct Open {
       std::size_t index;
@@ -102,7 +103,7 @@ class Division {
 
   [[nodiscard]] bool is_divided(std::size_t index) const { return cubes_[index] == CubeDivision::divided; }
 
-  /// Where the next one begins that is no part of it.
+  /// The index at which the next cube begins that is no part of this one.
   [[nodiscard]] std::size_t end(std::size_t index) const { return ends_[index]; }
 
  private:
@@ -136,7 +137,7 @@ struct RemovedVolumeChecker::State {
         bone, [this](std::size_t n) -> const auto& { return surfaces[n].closed(); });
   }
 
-  /// Whether all that is swept lies there.
+  /// Returns whether all swept points lie in the cube.
   [[nodiscard]] bool holds_all(const Cube& cube) const {
     return std::ranges::all_of(primitives, [&](const SweptPrimitive& primitive) {
       const auto box = primitive.box();
@@ -156,8 +157,8 @@ struct RemovedVolumeChecker::State {
     return root;
   }
 
-  /// Those octants of a cube in which bone may be removed. Nothing where it is not divided, or not into octants that
-  /// binary64 holds.
+  /// The octants of a cube in which bone may be removed. Nothing if the cube is not divided, or not into octants that
+  /// binary64 can represent.
   [[nodiscard]] std::optional<std::vector<CubeInCase>> octants(const CubeInCase& of, const Division& division,
                                                                const std::function<bool()>& interrupted) const {
     if (!division.is_divided(of.index)) return std::nullopt;
@@ -179,7 +180,7 @@ struct RemovedVolumeChecker::State {
     return result;
   }
 
-  /// Of the bone in a cube.
+  /// The volume removed from the bone in a cube.
   [[nodiscard]] Enclosure removed_in(const CubeInCase& here, const std::function<bool()>& interrupted) const try {
     const Cube& cube = here.cube;
     BracketedPart part;
@@ -260,7 +261,7 @@ struct RemovedVolumeChecker::State {
     return {.triangles = whole.triangles};
   }
 
-  /// What may sweep anything of this cube.
+  /// The primitives that may sweep a part of this cube.
   [[nodiscard]] std::shared_ptr<const SweepingPrimitives> narrowed(const CubeInCase& here,
                                                                    const std::function<bool()>& interrupted) const try {
     SweepingPrimitives result;

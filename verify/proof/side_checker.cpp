@@ -28,15 +28,15 @@ namespace verisq::verify {
 
 namespace {
 
-/// A checker's work is bounded: so many, and more of them for each triangle.
+/// A checker's work is bounded: so many cases, and more of them for each triangle.
 constexpr std::size_t most_cases = 2048;
 constexpr std::size_t most_cases_a_triangle = 64;
-/// Of the largest semi-axis: parts of triangles so small are not halved any more.
+/// Share of the largest semi-axis: smaller parts of triangles are not halved any more.
 constexpr double smallest_extent = 0x1p-30;
-/// Of the smallest semi-axis, how much deeper than the limit the centre has to be: balls that nearly touch the surface
-/// take long to prove.
+/// Share of the smallest semi-axis: the centre must be deeper than the limit by this. Balls that nearly touch the
+/// surface take long to prove.
 constexpr double depth_to_spare = 0x1p-10;
-/// GJK has to tell a direction, not a distance.
+/// GJK must find a direction, not a distance.
 constexpr GjkTolerance<double> rough{.relative = 1e-6, .absolute = 0.0, .most_steps = 40};
 
 using Plain = Coordinates<double>;
@@ -69,7 +69,7 @@ double extent_of(const Corners& corners) {
   return distance(lower, upper);
 }
 
-/// Of a triangle, from corner to corner.
+/// The longest side of a triangle, from corner to corner.
 template <class Corners>
 std::pair<std::size_t, std::size_t> longest_side(const Corners& corners) {
   std::pair<std::size_t, std::size_t> longest{0, 1};
@@ -81,10 +81,10 @@ std::pair<std::size_t, std::size_t> longest_side(const Corners& corners) {
   return longest;
 }
 
-/// Let x be deeper than L in a bent primitive. Its distance from the axis about which the bend turns is above
-/// w = (1 - ke)/k + L with e >= max |r|, since x and the point L nearer to the axis lie in it. The point y that is L
-/// from x lies in it, too, and on the way the angle about the axis changes continuously, by less than asin(L/w), which
-/// is at most u/√(1 - u²), u = L/w; the height before the bend by a k-th of that:
+/// Let x be deeper than L in a bent primitive. Its distance from the axis about which the bend turns is above w = (1 -
+/// ke)/k + L with e >= max |r|, since x and the point L nearer to the axis lie in the primitive. The point y at the
+/// distance L from x lies in it, too. On the way the angle about the axis changes continuously, by less than asin(L/w),
+/// which is at most u/√(1 - u²), u = L/w. The height before the bend changes by a k-th of that:
 ///     L/(1 - ke + kL)/√(1 - u²),  u = kL/(1 - ke + kL).
 double height_beyond(const Primitive& primitive, double limit) {
   if (!is_bent(primitive)) return 0.0;
@@ -110,8 +110,9 @@ bool DeepPart::is_connected() const {
   return !is_bent(primitive_) || is_connected_below(limit_, *primitive_.bend, primitive_.superquadric);
 }
 
-/// The ball of radius ρ about the bent centre, where W = 1: along a segment from there W >= 1 - kρ, and no step is
-/// longer before the bend than by 1/(1 - kρ), so that what is bent to the ball lies in the ball of radius ρ/(1 - kρ).
+/// Consider the ball of radius ρ about the bent centre, where W = 1. Along a segment from there W >= 1 - kρ, so no step
+/// is longer before the bend than by 1/(1 - kρ). So the points that the bend maps into the ball lie in the ball of
+/// radius ρ/(1 - kρ).
 bool DeepPart::holds_centre(const Hook& interrupted) const {
   const Superquadric& solid = primitive_.superquadric;
   const double radius = limit_ + depth_to_spare * std::ranges::min(solid.semi_axes);
@@ -124,16 +125,16 @@ bool DeepPart::holds_centre(const Hook& interrupted) const {
          contains_ball(solid, SuperquadricBounds<Real>(solid), -focus(solid), unbent, interrupted);
 }
 
-/// As is_connected_below and the bend ask, heights are those of the whole primitive, -a3 to a3.
+/// Heights are heights of the whole primitive, -a3 to a3, as is_connected_below and the bend require.
 PosedSections::Section DeepPart::widened(const PosedSections::Section& section) const {
   const auto [lowest, highest] = sections_.whole();
   return {std::max(lowest, subtract(section.lower, beyond_, Direction::down)),
           std::min(highest, add(section.upper, beyond_, Direction::up))};
 }
 
-/// If x of the section lies deeper than L, so that a point beyond x + L n/|n| still lies in the primitive, at a height
-/// of the widened section, then n·x + L |n| is below what that section reaches. Where all corners have at least as
-/// much, no point of their triangles is such an x.
+/// Let x of the section lie deeper than L, so that a point beyond x + L n/|n| still lies in the primitive, at a height
+/// of the widened section. Then n·x + L |n| is below the reach of that section. If all corners have at least as much,
+/// no point of their triangles is such an x.
 bool DeepPart::are_apart(const Case& part) const {
   const PosedSections::Section section = widened(part.section);
   const SectionMapping::Section plain = mapping_.section(section.lower, section.upper);
@@ -170,7 +171,7 @@ bool DeepPart::keeps_off(std::span<const Triangle> triangles, const Hook& interr
   return true;
 }
 
-/// Of the section where that is longer; else of the triangles, or of the one across its longest side.
+/// The halves of the section if it is longer; else of the triangles, or of the one triangle across its longest side.
 DeepPart::Halves DeepPart::halves(const Case& part) const {
   const auto& [corners, section] = part;
   const double extent = extent_of(corners);
@@ -193,13 +194,13 @@ DeepPart::Halves DeepPart::halves(const Case& part) const {
 
 // --- Proposals ---
 
-/// Of the surface where it is nearest.
+/// The normal of the surface at its nearest point.
 Coordinates<double> DeepPart::normal_near(const Plain& x) const {
   const Plain unbent = mapping_.unbent(x);
   return mapping_.bent_normal(nearest_({unbent[0], unbent[1], unbent[2] - focus_}).normal, unbent);
 }
 
-/// GJK's where there is a gap; where a triangle enters the primitive, its own normal or the surface's.
+/// GJK's normal if there is a gap; if a triangle enters the primitive, the triangle's own normal or the surface's.
 std::optional<Point> DeepPart::proposed_normal(const Corners& corners, const SectionMapping::Section& section) const {
   const auto of_section = [&](const Plain& v) { return mapping_.support_point(v, section); };
   const auto of_corners = [&](const Plain& v) {
@@ -223,7 +224,7 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  ///< the lower index first
 
-/// Of one edge.
+/// The runs through one edge.
 struct Runs {
   int forward = 0;   ///< from the lower index to the higher one
   int backward = 0;  ///<
@@ -243,13 +244,13 @@ std::map<Edge, Runs> runs_through(const Mesh& mesh) {
   return edges;
 }
 
-/// Those of the mesh are closed walks only then.
+/// The rims of the mesh are closed walks only if `require_sides` passes.
 Closing closing_of(const Mesh& mesh) {
   require_sides(mesh);
   return closing_over_rims(mesh);
 }
 
-/// Of the triangles, by the edges that they share.
+/// The number of connected components of the triangles, by the edges that they share.
 std::size_t components_of(const Mesh& mesh) {
   std::vector<std::size_t> root(mesh.triangles.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
@@ -311,7 +312,7 @@ using PointSide = verify::OrientedSurface::Side;
 
 constexpr std::size_t triangles_a_task = 32;
 
-/// All of them. Neighbours in a mesh are often near each other.
+/// True if all triangles keep off. Neighbours in a mesh are often near each other.
 bool keep_off(const verify::DeepPart& part, std::span<const Triangle> triangles, const CheckOptions& options) {
   const std::size_t tasks = (triangles.size() + triangles_a_task - 1) / triangles_a_task;
   std::atomic<std::size_t> kept = 0;  // tasks; one that is not begun is not kept

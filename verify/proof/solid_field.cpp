@@ -30,8 +30,8 @@ PreciseInterval cubic_quotient(const PreciseInterval& a) {
   return (PreciseInterval(1) - quotient_of_sine(a)) / squared;
 }
 
-/// exp(ω) and its left Jacobian J: 1 + s W + c W², W the matrix of the cross product with ω; of exp(ω) s = sin a/a and
-/// c = (1 - cos a)/a², of J s is that c and c = (a - sin a)/a³, a = |ω|.
+/// exp(ω) and its left Jacobian J: 1 + s W + c W², with W the matrix of the cross product with ω. For exp(ω), s = sin
+/// a/a and c = (1 - cos a)/a²; for J, s is that c, and c = (a - sin a)/a³; a = |ω|.
 struct Exponential {
   explicit Exponential(const PreciseVector& omega) {
     const PreciseInterval angle = length<Real>(omega);
@@ -64,8 +64,8 @@ RangeOfPoses::RangeOfPoses(const PoseRange& range, const Point& centre) {
   }
 }
 
-// The parameters of the cell lie between the exact shares (2 i / 2^l - 1) of the ends; the centre is any number near
-// their middle, and half of them all reach no farther from it.
+// The parameters of the cell lie between the exact shares (2 i / 2^l - 1) of the ends. The centre is any number near
+// their middle; the half-width `half_` covers all of them from it.
 BoxOfPoses::BoxOfPoses(const RangeOfPoses& range, const PoseCell& cell) {
   std::array<double, pose_parameters> centre{};
   for (std::size_t k = 0; k < pose_parameters; ++k) {
@@ -86,8 +86,8 @@ BoxOfPoses::BoxOfPoses(const RangeOfPoses& range, const PoseCell& cell) {
 }
 
 // x - c = R(1)^T (arm - δτ). Rotations along the line from the centre turn no faster than |δω|, so that R^T arm goes no
-// farther than |δω| |arm|, and its second derivative is at most 3/2 |δω|² |arm|: its remainder is half of that, that of
-// R^T δτ |R(1)^T δτ - R(0)^T δτ| <= |δω| |δτ|.
+// farther than |δω| |arm|. Its second derivative is at most 3/2 |δω|² |arm|: its remainder is half of that. The
+// remainder of R^T δτ is |R(1)^T δτ - R(0)^T δτ| <= |δω| |δτ|.
 BoxOfPoses::Arm BoxOfPoses::arm(const Point& v) const {
   Arm result{IntervalVector(Interval(v[0]), Interval(v[1]), Interval(v[2])) - pivot_, {}, 0.0, 0.0};
   result.from_centre = inverse_ * result.from_pivot;
@@ -99,7 +99,7 @@ BoxOfPoses::Arm BoxOfPoses::arm(const Point& v) const {
   return result;
 }
 
-// n·R^T (arm - δτ) changes by -(R n)·δτ, and where the implant turns by θ = J δω by (θ × R n)·arm = θ·(R n × arm).
+// n·R^T (arm - δτ) changes by -(R n)·δτ. If the implant turns by θ = J δω, it changes by (θ × R n)·arm = θ·(R n × arm).
 PoseSlope BoxOfPoses::slope(const Arm& arm, const IntervalVector& turned) const {
   const IntervalVector by_rotation = jacobian_transposed_ * cross(turned, arm.from_pivot);
   return {-turned[0], -turned[1], -turned[2], by_rotation[0], by_rotation[1], by_rotation[2]};
@@ -113,24 +113,24 @@ double BoxOfPoses::range_up(const PoseSlope& slope) const {
 
 namespace {
 
-/// Of the finest cubes about the model's box.
+/// The number of the finest cubes about the model's box.
 constexpr double fine_cubes = 100000.0;
-/// Of the smallest semi-axis: finer cubes would not say much more of so small a solid.
+/// Share of the smallest semi-axis: finer cubes would hardly improve the bounds of so small a solid.
 constexpr double finest_edge = 0.3;
-/// How many cubes beyond the box the next size begins, and how much larger that is.
+/// The next size begins so many cubes beyond the box, and is larger by the factor `coarsening`.
 constexpr double cubes_of_a_size = 6.0;
 constexpr double coarsening = 3.5;
 constexpr std::int32_t most_sizes = 60;
-/// How far from the surface points are still told to be too deep, in cubes.
+/// The largest distance from the surface, in cubes, at which balls are still sought that prove points too deep.
 constexpr double ball_margin = 1.5;
-/// Of a depth found in floating point: what touches the surface takes long to prove.
+/// Shares of a depth found in floating point: balls that touch the surface take long to prove.
 constexpr std::array<double, 2> shares_of_depth{0.97, 0.8};
-/// Depths of balls that are tried, of the smallest semi-axis.
+/// Depths of balls that are tried, as shares of the smallest semi-axis.
 constexpr std::array<double, 3> tried_depths{0.5, 0.9, 1.5};
-/// So that the length of a rounded unit vector is below 1.
+/// A factor that makes the length of a rounded unit vector less than 1.
 constexpr double shortened = 1.0 - 0x1p-40;
 
-/// Of the finest cubes, at most: long thin and flat models have coarser ones.
+/// The largest number of the finest cubes: long thin and flat models have coarser ones.
 constexpr double most_cubes = 400000.0;
 
 constexpr std::size_t shards = 64;
@@ -147,7 +147,7 @@ double nearest(const Real& lower, const Real& upper) {
   return 0.5 * lower.to_double(Direction::down) + 0.5 * upper.to_double(Direction::up);
 }
 
-/// In floating point.
+/// The middle, in floating point.
 Point middle(const PreciseVector& v) {
   return {nearest(v[0].lower(), v[0].upper()), nearest(v[1].lower(), v[1].upper()),
           nearest(v[2].lower(), v[2].upper())};
@@ -174,7 +174,7 @@ struct KeyHash {
 
 class SolidField::Cube {
  public:
-  Point from_centre{};  ///< its middle
+  Point from_centre{};  ///< the cube's middle
   std::vector<ContainingHalfSpace> half_spaces;
   std::optional<std::size_t> close;  ///< the primitive whose surface is within the margin, or that the middle lies in
   std::once_flag ball_is_sought;
@@ -187,11 +187,11 @@ struct SolidField::State {
     std::unordered_map<Key, std::unique_ptr<Cube>, KeyHash> cubes;
   };
 
-  /// What is proposed in floating point of a primitive.
+  /// A primitive's proposals in floating point.
   struct Proposer {
     NearestNormal nearest;
-    std::array<Point, 3> rows;  ///< of its rotation
-    Point origin;               ///< of its own frame, from the centre
+    std::array<Point, 3> rows;  ///< rows of its rotation
+    Point origin;               ///< origin of its own frame, from the centre
     double smallest;            ///< semi-axis
 
     [[nodiscard]] Point local(const Point& from_centre) const {
@@ -229,7 +229,7 @@ struct SolidField::State {
     while (cubes_of(edge) > most_cubes) edge *= 1.2;
   }
 
-  /// That lie in the box, or next to it.
+  /// The number of cubes that lie in the box, or next to it.
   [[nodiscard]] double cubes_of(double length) const {
     double cubes = 1.0;
     for (std::size_t i = 0; i < 3; ++i) cubes *= (upper[i] - lower[i]) / length + 2.0 * cubes_of_a_size + 2.0;
@@ -286,8 +286,8 @@ struct SolidField::State {
     return {n, (normal.dot(precise(centre)) - offset).lower().to_double(Direction::down)};
   }
 
-  /// About a place near the surface the best balls touch it where the place is nearest, and are as large as fit; which
-  /// these are is tried.
+  /// About a place near the surface the best balls touch the surface where it is nearest to the place, and are as large
+  /// as possible. The search tries candidates.
   [[nodiscard]] std::optional<ContainedBall> ball_of(const Cube& cube) const {
     if (!cube.close) return std::nullopt;
     const Proposer& proposer = proposers[*cube.close];
@@ -319,8 +319,8 @@ struct SolidField::State {
   Point centre;
   std::vector<PosedSuperquadric> solids;
   std::vector<Proposer> proposers;
-  Point lower{}, upper{};  ///< of the model's box, from the centre
-  double edge;             ///< of the finest cubes
+  Point lower{}, upper{};  ///< corners of the model's box, from the centre
+  double edge;             ///< edge of the finest cubes
   mutable std::array<Shard, shards> all;
 };
 

@@ -17,22 +17,23 @@
 
 namespace verisq::verify {
 
-// Boxes of a range of poses by halvings of it.
+// Boxes of a range of poses, made by halving the range.
 
-/// A translation's three parameters, then a rotation vector's.
+/// The three parameters of a translation, then the three of a rotation vector.
 constexpr std::size_t pose_parameters = 6;
 
-/// Divisions of one direction: beyond, boxes are as small as roundings. Shares of the range are exact in binary64.
+/// The largest number of divisions of one direction: beyond, boxes are as small as roundings. Shares of the range are
+/// exact in binary64.
 constexpr std::uint8_t most_divisions = 30;
 
-/// In each direction part `index` of 2^`level`.
+/// The part with number `index` of 2^`level` parts, in each direction.
 struct PoseCell {
   std::array<std::uint32_t, pose_parameters> index{};
   std::array<std::uint8_t, pose_parameters> level{};
 
   [[nodiscard]] bool can_be_halved(std::size_t direction) const { return level[direction] < most_divisions; }
 
-  /// The lower half first.
+  /// The two halves; the lower half comes first.
   [[nodiscard]] std::array<PoseCell, 2> halves(std::size_t direction) const {
     PoseCell low = *this;
     ++low.level[direction];
@@ -43,7 +44,7 @@ struct PoseCell {
   }
 };
 
-// What the poses of a box do to points, enclosed (docs/mathematics.md §24).
+// Encloses the effect of the poses of a box on points (docs/mathematics.md §24).
 
 using IntervalVector = Vector3<double>;
 using IntervalMatrix = Matrix3<double>;
@@ -84,7 +85,7 @@ class BoxOfPoses {
   /// R0 c + t + τ
   [[nodiscard]] const IntervalVector& pivot() const { return pivot_; }
 
-  /// Of n·x(δ), for `turned` = R n.
+  /// The slope of n·x(δ), for `turned` = R n.
   [[nodiscard]] PoseSlope slope(const Arm& arm, const IntervalVector& turned) const;
 
   [[nodiscard]] const std::array<double, pose_parameters>& half() const { return half_; }
@@ -95,15 +96,15 @@ class BoxOfPoses {
  private:
   IntervalMatrix rotation_;
   IntervalMatrix inverse_;              ///< R^T
-  IntervalMatrix jacobian_transposed_;  ///< of J with exp(ω + δ) = exp(J δ) exp(ω) to first order
+  IntervalMatrix jacobian_transposed_;  ///< transposed J, with exp(ω + δ) = exp(J δ) exp(ω) to first order
   IntervalVector pivot_;
   std::array<double, pose_parameters> half_{};
   double moved_;   ///< |δτ|, at most
   double turned_;  ///< |δω|, at most
 };
 
-// What holds of a union of convex primitives near a place, proven where it is asked for first: half-spaces that
-// contain a primitive each, and a ball inside.
+// Facts about a union of convex primitives near a place, proven when they are first needed: for each primitive a
+// half-space that contains it, and a ball inside the union.
 
 /// Contains a primitive: normal·x <= normal·c - at_centre for all its points x, c the field's centre, and |normal|
 /// <= 1. So where n·(x - c) + at_centre is positive, the distance from x to the primitive is no less.
@@ -112,14 +113,14 @@ struct ContainingHalfSpace {
   double at_centre;
 };
 
-/// In the model: no signed distance of x is more than |x - centre| - radius.
+/// A ball in the model: no signed distance of x is more than |x - centre| - radius.
 struct ContainedBall {
   Point centre;
   double radius;
 };
 
-/// Cubes about the model, the smaller the nearer to it. What is proven of one holds everywhere, but is tight there. Any
-/// number of threads may ask.
+/// Cubes about the model; the nearer to it, the smaller. The half-spaces and balls of a cube are valid everywhere, but
+/// tight only there. Any number of threads may call it.
 class SolidField {
  public:
   /// Precondition: a union of convex primitives, at least one.
@@ -132,12 +133,13 @@ class SolidField {
 
   [[nodiscard]] const Point& centre() const;
 
-  /// Of the place centre + `from_centre`.
+  /// The cube of the place centre + `from_centre`.
   [[nodiscard]] Cube& near(const Point& from_centre) const;
 
-  /// One a primitive, in their order; of those that nothing is proven of a normal 0 and `at_centre` minus infinity.
+  /// One half-space for each primitive, in their order. If nothing is proven about a primitive, its normal is 0 and its
+  /// `at_centre` minus infinity.
   [[nodiscard]] static std::span<const ContainingHalfSpace> half_spaces(const Cube& cube);
-  /// That reaches farthest beyond the middle of the cube, or next to it; nothing far from the model.
+  /// The ball that reaches farthest beyond the middle of the cube, or next to it; nothing far from the model.
   [[nodiscard]] const std::optional<ContainedBall>& ball(Cube& cube) const;
 
  private:

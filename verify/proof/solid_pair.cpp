@@ -159,7 +159,7 @@ Coordinates<double> PosedBody::farthest(const Coordinates<double>& v) const {
 
 namespace {
 
-/// In the frame of its model.
+/// A sphere about the primitive, in the frame of its model.
 EnclosingSphere sphere_about(const PosedPrimitive& primitive) {
   return std::visit(
       [](const auto& solid) {
@@ -182,7 +182,7 @@ class PairBoundsOfPrimitives {
     double& known = bounds_[i * columns_ + j];
     known = std::max(known, bound);
   }
-  /// Of i and every j, and the other way round.
+  /// Raises the bounds of i and every j, or of j and every i.
   void raise_all_of_a(std::size_t i, double bound) {
     for (std::size_t j = 0; j < columns_; ++j) raise(i, j, bound);
   }
@@ -196,8 +196,8 @@ class PairBoundsOfPrimitives {
   std::vector<double> bounds_;
 };
 
-/// Of what an operator's operands are bounded by from below: a union is no nearer than its nearest operand, an
-/// intersection no nearer than any, a difference than its first.
+/// The lower bound of a set from lower bounds of its operands: a union is no nearer than its nearest operand, an
+/// intersection no nearer than any operand, a difference no nearer than its first.
 template <class Bound>
 double lower_of(const SetExpression& set, const Bound& bound) {
   if (set.operation == SetOperation::subtract) return bound(set.operands.front());
@@ -209,7 +209,7 @@ double lower_of(const SetExpression& set, const Bound& bound) {
   return result;
 }
 
-/// No point of A's set is nearer to one of B's.
+/// A lower bound: no point of A's set is nearer to a point of B's.
 double lower_of_sets(const SetExpression& a, const SetExpression& b, const PairBoundsOfPrimitives& bounds) {
   const auto with_part_of_a = [&](const SetExpression& part) { return lower_of_sets(part, b, bounds); };
   const auto with_part_of_b = [&](const SetExpression& part) { return lower_of_sets(a, part, bounds); };
@@ -218,8 +218,9 @@ double lower_of_sets(const SetExpression& a, const SetExpression& b, const PairB
   return bounds(a.primitive, b.primitive);
 }
 
-/// Of a primitive of one model from the other, whose frame `to_one` leads to the one's: it is no nearer than the centre
-/// of a ball about it, less the ball's radius. Precondition: the centre is finite.
+/// A lower bound of the distance of a primitive of one model from the other model; `to_one` leads from the other's
+/// frame to the one's. The primitive is no nearer than the centre of a ball about it, less the ball's radius.
+/// Precondition: the centre is finite.
 double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const SolidParts& other,
                      const RigidMotion& to_one, const Hook& interrupted) {
   const PreciseVector centre = to_one(precise(ball.centre));
@@ -228,7 +229,8 @@ double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const Sol
   return std::isfinite(radius) && std::isfinite(distance) ? subtract(distance, radius, Direction::down) : -infinity;
 }
 
-/// Of a primitive of `one`, which moves, from the other model, which has nothing nearer than the cover's radius.
+/// A lower bound of the distance of a primitive of `one`, which moves, from the other model, which has no point within
+/// the cover's radius.
 double lower_by_cover(const SurroundedPrimitive& surrounded, const SolidParts& one, const SolidParts& other,
                       const ShortMotion& motion, const Hook& interrupted) {
   const auto* const convex = std::get_if<PosedSuperquadric>(&one.places.primitives()[surrounded.primitive]);
@@ -271,8 +273,8 @@ struct MovingSections {
   EnclosingSphere about_other;  ///< in the frame of model A, at the moment
   RigidMotion moved;            ///< from the other's own frame to that of model A, at the moment
 
-  /// With the plane's normal n, d >= (n·(c_B - c_A) - r_A(n) - r_B(-n)) / |n|, r how far the sections reach from the
-  /// primitives' centres c, at the moment.
+  /// With the plane's normal n, d >= (n·(c_B - c_A) - r_A(n) - r_B(-n)) / |n|, where r is the reach of the sections
+  /// from the primitives' centres c, at the moment.
   [[nodiscard]] double lower_by(const SectionPlane& plane, const PosedSections::Section& of_a,
                                 const PosedSections::Section& of_b) const {
     const auto& [normal, slope_a, slope_b] = plane;

@@ -19,18 +19,19 @@
 
 namespace verisq::verify {
 
-// How far a primitive reaches from a point: it lies in a ball about it.
+// A bound of how far a primitive reaches from a point: the primitive lies in a ball about that point.
 
-/// Those of an ellipsoid that contains the solid, along its axes: the solid's, times the most that the norm of exponent
-/// 2 exceeds its own by: 2^(1/2 - 1/p) for each p = 2/e > 2. Rounded up. Of a taper nothing is in it.
+/// The semi-axes of an ellipsoid that contains the solid, along its axes. They are the solid's semi-axes times 2^(1/2 -
+/// 1/p) for each p = 2/e > 2, the largest ratio of the norm of exponent 2 to the solid's norm. Rounded up. A taper is
+/// not taken into account.
 [[nodiscard]] std::array<double, 3> semi_axes_of_ellipsoid(const Superquadric& solid);
 
-/// At least the largest distance from any point of the box, of the model's frame, to a point of the primitive. Of a
-/// ball |x - centre| and its radius; else with the ellipsoid {Σ (xᵢ/bᵢ)² <= 1} about it, for every x in that and
-/// every `multiplier` μ > max bᵢ²
+/// At least the largest distance from any point of the box x, in the model's frame, to a point of the primitive. For a
+/// ball it is |x - centre| plus the radius. Else, with the ellipsoid {Σ (xᵢ/bᵢ)² <= 1} about the primitive, for every x
+/// in the ellipsoid and every `multiplier` μ > max bᵢ²
 ///     |x - c|² <= |x - c|² + μ (1 - Σ (xᵢ/bᵢ)²) <= μ + Σ cᵢ² μ / (μ - bᵢ²),
-/// coordinate by coordinate the largest value of a parabola. The least of that over μ is exact for the ellipsoid (the
-/// S-lemma). Infinite where that says nothing, as for bends and tapers.
+/// coordinate by coordinate the largest value of a parabola. The least such bound over μ is exact for the ellipsoid
+/// (the S-lemma). Infinite if this proves nothing, as for bends and tapers.
 [[nodiscard]] double farthest_up(const Primitive& primitive, const PreciseVector& x, double multiplier);
 
 [[nodiscard]] bool is_ball(const Primitive& primitive);
@@ -65,14 +66,14 @@ class PosedSections {
   RigidMotion motion_;
   double half_length_;
   PreciseInterval curvature_;
-  PreciseInterval cosine_, sine_;  ///< of the bend's direction's angle from x to y
+  PreciseInterval cosine_, sine_;  ///< cosine and sine of the angle from x to y of the bend's direction
   PreciseInterval extent_;         ///< at least the largest |r| before the bend
 };
 
 /// Two sections of equal difference of heights; nothing where no number lies between the heights.
 [[nodiscard]] std::optional<std::array<PosedSections::Section, 2>> halves(const PosedSections::Section& section);
 
-// A convex primitive in the frame of another model, wherever it is in a short time: what a cover goes around.
+// A convex primitive in the frame of another model, at all times of a short motion: a body for covers to surround.
 
 /// The hull of all places of the primitive, about a point beside its centre.
 class PosedBody : public ConvexBody {
@@ -93,10 +94,10 @@ class PosedBody : public ConvexBody {
   RigidMotion place_;  ///< from its own frame, at the moment
   Point centre_;
   SuperquadricSet<double> plain_;  ///< in its own frame
-  std::array<Plain, 3> rows_;      ///< of the rotation, about
+  std::array<Plain, 3> rows_;      ///< rows of the rotation, about
 };
 
-// Two models of any kind, one of which moves, and what single evaluations prove about their distance.
+// Two models of any kind, one of which moves, and the bounds that single evaluations prove about their distance.
 
 /// A model's places, and its primitives' sections.
 struct SolidParts {
@@ -108,17 +109,18 @@ struct SolidParts {
   std::vector<PosedSections> sections;
 };
 
-/// A, and B that moves for a short time. Both must outlive this. Once `interrupted`, polled unless empty, says so, less
-/// is proven.
+/// Model A, and model B that moves for a short time. Both must outlive this. `interrupted`, unless empty, is polled;
+/// once it returns true, less is proven.
 class SolidPair {
  public:
   SolidPair(const SolidParts& a, const SolidParts& b, const ShortMotion& motion, Hook interrupted = {})
       : a_(&a), b_(&b), motion_(motion), pose_(motion.pose()), interrupted_(std::move(interrupted)) {}
 
-  /// What the certificate proves of the distance at the moment, as PairChecker says.
+  /// The enclosure of the distance at the moment that the certificate proves, as defined by PairChecker.
   [[nodiscard]] Enclosure at_moment(const PairCertificate& certificate) const;
 
-  /// The certificate proves that the distance is no less at any time of the motion. Rounded down; may be negative.
+  /// A lower bound of the distance at all times of the motion, proven by the certificate. Rounded down; may be
+  /// negative.
   [[nodiscard]] double lower(const PairCertificate& certificate) const;
 
  private:

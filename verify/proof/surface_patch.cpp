@@ -23,7 +23,7 @@ double norm_of(double x, double y, const NormExponent<Real>& p, Direction direct
   return norm_of_two<Real>(Real(x), Real(y), p, direction).to_double(direction);
 }
 
-/// From (1, 0) to (0, 1) x falls and y rises, either of which tells which point comes first.
+/// From (1, 0) to (0, 1) x falls and y rises; either decides which point comes first.
 bool is_before(const CurvePoint& a, const CurvePoint& b) {
   return b.x.upper() < a.x.lower() || a.y.upper() < b.y.lower();
 }
@@ -58,7 +58,8 @@ void ArcTree::halve(Arc arc) {
   const Entry whole = arcs_[arc];
   const CurvePoint& from = points_[whole.from].point;
   const CurvePoint& to = points_[whole.to].point;
-  // Wherever on the curve this point is, what leads from one end to it and on to the other covers the arc.
+  // Wherever on the curve this point is, the arc from one end to it and the arc from it to the other end cover the
+  // whole arc.
   const CurvePoint middle = point_towards(middle_of(from.x, to.x), middle_of(from.y, to.y));
   const bool in_order = whole.in_order && is_before(from, middle) && is_before(middle, to);
   const auto place = static_cast<std::uint32_t>(points_.size());
@@ -77,8 +78,8 @@ double ArcTree::bulge(Arc arc, double width, double height) const {
   if (!(chord.lower() > 0.0)) return infinity;
   // Between its ends the curve falls: it leaves the chord by no more than the box of both ends does.
   const double by_box = (run * rise / chord).upper();
-  // Its points satisfy n·p <= h(n) for the chord's normal n = (rise, run), where h is the dual norm, which rises with
-  // either of its operands.
+  // Its points satisfy n·p <= h(n) for the chord's normal n = (rise, run). Here h is the dual norm, which rises with
+  // each operand.
   const Interval across = rise * Interval(width);
   const Interval along = run * Interval(height);
   const double support = norm_of(across.upper(), along.upper(), dual_, Direction::up);
@@ -91,7 +92,7 @@ namespace {
 
 struct Tangent {
   Interval along;    ///< the chord, per length of the tangent
-  Interval tangent;  ///< of the angle with it, not signed
+  Interval tangent;  ///< tangent of the angle with the chord, unsigned
   PlaneVector speed;
 };
 
@@ -131,8 +132,8 @@ namespace {
 
 constexpr double no_bound = std::numeric_limits<double>::infinity();
 
-/// No less than the integral of |v| over that of v's length along e: all v lie in the cone of these four directions,
-/// whose first components are not negative; e is their middle. Infinite where the cone is wide.
+/// No less than the integral of |v| over the integral of v's length along e. All v lie in the cone of these four
+/// directions, whose first components are not negative; e is their middle. Infinite if the cone is wide.
 double widening_of_cone(const Interval& rise_from, const Interval& run_from, const Interval& rise_to,
                         const Interval& run_to) {
   // Directions between angles: those of the extreme quotients bound all the others.
@@ -185,7 +186,8 @@ PlaneArc PatchedSurface::profile(const PatchCell& cell, const Interval& scale) c
   return {first.first, last.first, first.second, last.second};
 }
 
-/// By which the taper widens the sections at both ends of the profile: between them it is between these.
+/// The factors by which the taper widens the sections at both ends of the profile; in between, the factor is between
+/// these.
 std::array<Interval, 2> PatchedSurface::taper_scales(const PatchCell& cell) const {
   if (!tapered_) return {Interval(1), Interval(1)};
   const Interval sign((cell.octant & 4U) != 0 ? -1.0 : 1.0);
@@ -269,7 +271,7 @@ PatchArea PatchedSurface::area(const PatchCell& cell) const {
                                            rise_of(along.tangent_to), run_of(along.tangent_to));
   const Interval size = sqrt(square(stretch * steep) + square(flat));
   const double upper = widening < no_bound ? (size * Interval(widening)).upper() : no_bound;
-  // Of arcs that may overlap their neighbours nothing counts from below: it may be counted there.
+  // Arcs that may overlap their neighbours count with 0 from below: the overlap may be counted there.
   const bool is_apart = along_.in_order(cell.along) && around_.in_order(cell.around);
   const Enclosure area{is_apart ? std::max(0.0, size.lower()) : 0.0, std::min(upper, coarse.area.hi)};
 
@@ -296,13 +298,13 @@ Vector3<double> exact(const Point& point) {
   return {point[0], point[1], point[2]};
 }
 
-/// How far the box's points lie from its middle, at most.
+/// Upper bound of the distance of the box's points from its middle.
 double blur(const Vector3<double>& box, const Point& middle) {
   return upper_length(box - exact(middle));
 }
 
-/// How far the bilinear surface of the corners lies from the two triangles, at most: μ (1 - λ) <= 1/4 times what the
-/// corners are from a parallelogram, where μ <= λ.
+/// Upper bound of the distance of the corners' bilinear surface from the two triangles: μ (1 - λ) <= 1/4 times the
+/// corners' deviation from a parallelogram, where μ <= λ.
 double unevenness(const std::array<Point, 4>& corners) {
   const auto& [a, b, c, d] = corners;
   return (length<double>(exact(a) - exact(b) - exact(c) + exact(d)) / Interval(4)).upper();
@@ -388,8 +390,8 @@ Interval PatchedSurface::straight_thickness(const PatchCell& cell) const {
 
 Interval PatchedSurface::bent_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const {
   if (!bend_map_) return straight;
-  // The corners' hull and the patch lie in the solid, where |k r| < 1, so that the bend stretches by at most 1 + |k
-  // r| < 2. Its second derivative is at most 2 |k|: a point of the hull, Σ λ w, goes no farther than |k| Σ λ |w - c|²
+  // The corners' hull and the patch lie in the solid, where |k r| < 1, so that the bend stretches by at most 1 + |k r|
+  // < 2. Its second derivative is at most 2 |k|. So a point of the hull, Σ λ w, goes no farther than |k| Σ λ |w - c|²
   // from the hull of the bent corners, for any c.
   const Point centre =
       middle_of((corners[0].straight + corners[1].straight + corners[2].straight + corners[3].straight) / Interval(4));
@@ -457,14 +459,15 @@ std::optional<PatchHalving> PatchedSurface::halving(const PatchCell& cell) const
   const double way_along = std::hypot(apart(low.x, high.x, section_radius(cell)), apart(low.y, high.y, axes[2]));
   const double way_around = widest * std::hypot(apart(left.x, right.x, axes[0]), apart(left.y, right.y, axes[1]));
   const bool divide_along = way_along >= way_around;
-  // Where neighbours differ by rounding only, their bulge says nothing.
+  // If neighbours differ by rounding only, their bulge means nothing.
   const double share = divide_along ? std::hypot(apart(low.x, high.x, 1.0), apart(low.y, high.y, 1.0))
                                     : std::hypot(apart(left.x, right.x, 1.0), apart(left.y, right.y, 1.0));
   if (!(share > 0x1p-30)) return std::nullopt;
   return divide_along ? PatchHalving::along : PatchHalving::around;
 }
 
-/// The halves of an arc cover it, wherever its middle was rounded to (ArcTree::halve), hence those of the patch.
+/// The halves of an arc cover it, wherever its middle was rounded to (ArcTree::halve). Hence the halves of the patch
+/// cover it.
 std::array<PatchCell, 2> PatchedSurface::halves(const PatchCell& cell, PatchHalving halving) const {
   const bool is_along = halving == PatchHalving::along;
   std::array<PatchCell, 2> halves{cell, cell};

@@ -16,7 +16,7 @@
 
 namespace verisq::verify {
 
-// Arcs of the curve |x|^p + |y|^p = 1, x, y >= 0, p = 2/e: where they end, and how far they bulge from their chords
+// Arcs of the curve |x|^p + |y|^p = 1, x, y >= 0, p = 2/e: their ends, and how far they bulge from their chords
 // (docs/mathematics.md §20).
 
 /// Encloses one point of the curve.
@@ -25,8 +25,8 @@ struct CurvePoint {
   Interval y;
 };
 
-/// The arcs between (1, 0) and (0, 1), made as they are asked for: one is halved about its middle, so that all halves
-/// of one depth are of about one length, however flat or sharp the curve is.
+/// The arcs between (1, 0) and (0, 1), made on demand. An arc is halved about its middle, so that all halves of one
+/// depth have about the same length, however flat or sharp the curve is.
 class ArcTree {
  public:
   using Arc = std::uint32_t;
@@ -43,20 +43,20 @@ class ArcTree {
   [[nodiscard]] const CurvePoint& normal_from(Arc arc) const { return points_[arcs_[arc].from].normal; }
   [[nodiscard]] const CurvePoint& normal_to(Arc arc) const { return points_[arcs_[arc].to].normal; }
 
-  /// Makes the halves, where they are not made yet. Not while another thread asks anything.
+  /// Makes the halves, unless they are made already. Not thread-safe: no other thread may use the tree meanwhile.
   void halve(Arc arc);
   /// The halves are this arc and the next. Precondition: halved.
   [[nodiscard]] Arc first_half(Arc arc) const { return arcs_[arc].first_half; }
   /// The point where the arc is halved. Precondition: halved.
   [[nodiscard]] const CurvePoint& middle(Arc arc) const { return to(first_half(arc)); }
 
-  /// Whether its halvings are proven to have cut off no more than it: arcs of which that is so, and neither of which is
-  /// a part of the other, have no more than ends in common. Where neighbours differ by rounding only, halves may
+  /// Returns whether it is proven that the arc's halvings cut off nothing beyond the arc. Two such arcs, neither of
+  /// which is a part of the other, have at most ends in common. If neighbours differ by rounding only, halves may
   /// overlap.
   [[nodiscard]] bool in_order(Arc arc) const { return arcs_[arc].in_order; }
 
-  /// Whatever lies on the arc is, after x has been multiplied by `width` and y by `height`, no farther from the chord
-  /// of its exact ends than this. Rounded up; infinite where the ends cannot be told apart.
+  /// Scale the arc by `width` in x and `height` in y: no point of it is farther from the chord of its exact ends than
+  /// this. Rounded up; infinite if the ends cannot be distinguished.
   [[nodiscard]] double bulge(Arc arc, double width, double height) const;
 
  private:
@@ -65,7 +65,7 @@ class ArcTree {
     CurvePoint normal;
   };
   struct Entry {
-    std::uint32_t from;  ///< of `points_`, as `to`
+    std::uint32_t from;  ///< index in `points_`, like `to`
     std::uint32_t to;
     bool in_order = true;
     Arc first_half = 0;  ///< 0: not made yet
@@ -80,12 +80,12 @@ class ArcTree {
   std::vector<Entry> arcs_;
 };
 
-// A convex arc in the plane, known by its ends and the tangents there: its length, its bulge, how fast its foot on the
-// chord lets it pass (docs/mathematics.md §20).
+// A convex arc in the plane, known by its ends and the tangents there: its length, its bulge, and how fast the point
+// passes as its foot moves along the chord (docs/mathematics.md §20).
 
 using PlaneVector = std::array<Interval, 2>;
 
-/// Tangents of any length but 0, in the sense of the way.
+/// Tangents have any length but 0, and point in the direction from `from` to `to`.
 struct PlaneArc {
   PlaneVector from;
   PlaneVector to;
@@ -95,8 +95,8 @@ struct PlaneArc {
 
 struct ArcBounds {
   Interval chord;    ///< its length
-  Interval stretch;  ///< of the arc over its chord, everywhere: from 1
-  Interval lens;     ///< the area between arc and chord: from 0
+  Interval stretch;  ///< the stretch of the arc over its chord, everywhere: at least 1
+  Interval lens;     ///< the area between arc and chord: at least 0
   double bulge;      ///< no point of the arc is farther from its foot
   /// The derivative by the share u of the chord lies on the segment between these two: here its components' hulls.
   PlaneVector speed;
@@ -111,16 +111,15 @@ struct ArcBounds {
 /// two triangles `Patch::halves` with the same shares. `density` is the patch's area by du dt.
 struct PatchArea {
   Enclosure area;         ///< finite below sizes of 1e150; lower ends of patches that do not hold each other add up
-  double unevenness;      ///< no less than (greatest density - least) / mean density; infinite where
-                          ///< nothing is known
-  double correspondence;  ///< how far a point is from that of the same shares on the triangles, at most
+  double unevenness;      ///< no less than (greatest density - least) / mean density; infinite if nothing is known
+  double correspondence;  ///< upper bound of the distance of a point from the triangles' point of the same shares
 };
 
-// Patches that cover the surface of one posed superquadric, tapered or bent: each lies close to the hull of four
+// Patches that cover the surface of one posed superquadric, tapered or bent. Each patch lies close to the hull of four
 // points (docs/mathematics.md §20).
 
-/// A part of the surface of primitive `primitive`: the image of two arcs, of one along the latitude and of one along
-/// the longitude, in one octant.
+/// A part of the surface of primitive `primitive`: the image, in one octant, of an arc along the latitude and an arc
+/// along the longitude.
 struct PatchCell {
   std::uint32_t primitive;
   std::uint8_t octant;  ///< bit i: coordinate i is negative
@@ -129,8 +128,8 @@ struct PatchCell {
   ArcTree::Arc around = ArcTree::whole();  ///< from x to y
 };
 
-/// Every point of the patch is no farther than `thickness` from one of two flat triangles between its corners, which
-/// are `halves()`, and no farther than `radius` from `sample`, a point near its middle.
+/// Every point of the patch is no farther than `thickness` from one of two flat triangles between its corners,
+/// `halves()`. It is no farther than `radius` from `sample`, a point near the patch's middle.
 struct Patch {
   std::array<Point, 4> corners;  ///< the first two at the same end of the arc along the latitude
   Point sample;
@@ -145,10 +144,10 @@ struct Patch {
   [[nodiscard]] double radius_about(const Point& x) const;
 };
 
-/// Which of a patch's two arcs is halved.
+/// The arc of a patch that is halved.
 enum class PatchHalving : std::uint8_t { along, around };
 
-/// 2^-60 of the surface and no less: patches are not halved any more often.
+/// The largest number of halvings of a patch: parts are no smaller than 2^-60 of the surface.
 inline constexpr int most_halvings_of_patch = 60;
 
 /// Makes the patches of one primitive.
@@ -159,22 +158,23 @@ class PatchedSurface {
   /// The eight octants.
   [[nodiscard]] std::vector<PatchCell> octants() const;
 
-  /// Precondition of what is asked of a cell, which is of this primitive. Not while another thread asks anything.
+  /// Must be called before any other function of a cell; the cell belongs to this primitive. Not thread-safe: no other
+  /// thread may use the surface meanwhile.
   void prepare(const PatchCell& cell);
 
   [[nodiscard]] Patch patch(const PatchCell& cell) const;
 
   [[nodiscard]] PatchArea area(const PatchCell& cell) const;
 
-  /// Of the longer way. Nothing where the ends of its arcs cannot be told apart well, or the patch is halved too often
-  /// already. Nothing is proven by what is chosen.
+  /// The halving of the longer way. Nothing if the ends of its arcs cannot be distinguished well, or if the patch is
+  /// already halved too often. The choice proves nothing.
   [[nodiscard]] std::optional<PatchHalving> halving(const PatchCell& cell) const;
-  /// They cover the patch, whichever arc is halved.
+  /// The two halves cover the patch, whichever arc is halved.
   [[nodiscard]] std::array<PatchCell, 2> halves(const PatchCell& cell, PatchHalving halving) const;
   [[nodiscard]] std::optional<std::array<PatchCell, 2>> halves(const PatchCell& cell) const;
 
  private:
-  /// Where a point lies before the bend, and in the model.
+  /// The place of a point before the bend, and in the model.
   struct Placed {
     Vector3<double> straight;
     Vector3<double> posed;
@@ -183,30 +183,30 @@ class PatchedSurface {
   [[nodiscard]] Placed placed(const CurvePoint& along, const CurvePoint& around, std::uint8_t octant) const;
   [[nodiscard]] Interval taper_stretch(const PatchCell& cell, double reach) const;
   [[nodiscard]] std::array<Placed, 4> corners(const PatchCell& cell) const;
-  /// How far the patch is from the corners' hull before the bend, at most.
+  /// Upper bound of the distance of the patch from the corners' hull, before the bend.
   [[nodiscard]] Interval straight_thickness(const PatchCell& cell) const;
-  /// What the bend makes of the distance between straight points of the patch and those of the corners' hull.
+  /// The same distance, between straight points of the patch and of the corners' hull, after the bend.
   [[nodiscard]] Interval bent_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const;
-  /// From straight points near the corners' hull to the flat triangles of the corners in the model, as a `Patch` has
-  /// them.
+  /// The distance from straight points near the corners' hull to the flat triangles of the corners in the model, as in
+  /// `Patch`.
   [[nodiscard]] double flat_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const;
-  /// The arc along the latitude after the taper, x scaled by `scale`; that around it.
+  /// The arc along the latitude after the taper, x scaled by `scale`; then the arc along the longitude.
   [[nodiscard]] PlaneArc profile(const PatchCell& cell, const Interval& scale) const;
   [[nodiscard]] PlaneArc section(const PatchCell& cell) const;
   [[nodiscard]] std::array<Interval, 2> taper_scales(const PatchCell& cell) const;
-  /// By how much the bend stretches the patch along z: 1 - k r.
+  /// The factor by which the bend stretches the patch along z: 1 - k r.
   [[nodiscard]] Interval bend_stretch(const std::array<Placed, 4>& corners, double beyond) const;
   /// An upper bound of the cell's area, from the run and rise of its arcs. `widest` bounds |β| of its section.
   [[nodiscard]] double largest_area(const PatchCell& cell, const PlaneArc& along, const PlaneArc& around,
                                     const Interval& widest) const;
-  /// Of the section's arc of the cell, of what is farthest from the axis.
+  /// The radius of the cell's section arc: its largest distance from the axis.
   [[nodiscard]] double section_radius(const PatchCell& cell) const;
 
   std::uint32_t index_;
   Superquadric superquadric_;
   Vector3<double> semi_axes_;
   bool tapered_;
-  Interval k_;     ///< of the taper
+  Interval k_;     ///< the taper's k
   Interval fall_;  ///< 1 - k²
   std::optional<Bend> bend_;
   std::optional<BendMap<double>> bend_map_;

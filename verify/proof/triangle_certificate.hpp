@@ -1,4 +1,5 @@
-/// What single evaluations prove about the distance of a triangle to one posed superquadric (docs/mathematics.md §6).
+/// Bounds that single evaluations prove for the distance of a triangle to one posed superquadric (docs/mathematics.md
+/// §6).
 #pragma once
 
 #include <array>
@@ -14,14 +15,14 @@ using PosedPrimitive = std::variant<PosedSuperquadric, PosedBent>;
 /// w_1, w_2 of the point t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0).
 using Weights = std::array<double, 2>;
 
-/// Whether w_1, w_2 >= 0 and w_1 + w_2 <= 1 exactly: the point belongs to the triangle. False for NaN.
+/// Returns whether w_1, w_2 >= 0 and w_1 + w_2 <= 1 exactly: the point belongs to the triangle. False for NaN.
 [[nodiscard]] bool in_triangle(const Weights& weights);
 
-/// That point, of corners in any frame.
+/// The point with these weights, for corners in any frame.
 [[nodiscard]] PreciseVector point_of(const std::array<PreciseVector, 3>& corners, const Weights& weights);
 
-/// A triangle in the frame of one primitive. Its corners are binary64 numbers in the model frame; here they are
-/// enclosed to the rounding of 127 bits, and with them whatever is computed from them.
+/// A triangle in the frame of one primitive. Its corners are binary64 numbers in the model frame. Here they, and all
+/// numbers computed from them, are enclosed to the rounding of 127 bits.
 class PosedTriangle {
  public:
   PosedTriangle(const Triangle& triangle, const RigidMotion& motion);
@@ -46,15 +47,15 @@ class PosedTriangle {
   return solid.lower_by_sphere(x);
 }
 
-/// d >= (min_i v·t_i - h(v)) / |v| for every v: the half-space {v·x <= h(v)} holds the solid, and the triangle, being
-/// convex, lies beyond it if its corners do. Minus infinity for a zero or non-finite v.
+/// d >= (min_i v·t_i - h(v)) / |v| for every v: the half-space {v·x <= h(v)} contains the solid, and the convex
+/// triangle lies beyond it if its corners do. Minus infinity for a zero or non-finite v.
 [[nodiscard]] double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v);
-/// Of bent solids, which have no support function, none.
+/// For bent solids, which have no support function, this proves nothing.
 [[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Triangle& triangle, const Proposal& v);
 [[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Point& x, const Proposal& v);
 
-/// d <= 0 where the point q of the triangle has g(q) <= 1; else d <= |q - b|, where b = (q - v) / g(q - v) lies in the
-/// solid, and infinity for a zero or non-finite v.
+/// d <= 0 if the point q of the triangle has g(q) <= 1. Else d <= |q - b|, where b = (q - v) / g(q - v) lies in the
+/// solid; infinity for a zero or non-finite v.
 [[nodiscard]] double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v);
 
 }  // namespace verisq::verify

@@ -36,9 +36,9 @@ std::array<Triangle, 4> quarters(const Triangle& piece) {
   return {{{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {bc, ca, ab}}};
 }
 
-/// With M the triangle's largest coordinate and u = 2^-53, a middle rounds by u M in each coordinate, on top of what
-/// its two ends are off on average: after k divisions a corner is off by at most √3 k u M, for k <= 20 less than 35 u M
-/// < 2^-47 M; halves that underflow are off by less than the smallest normal number.
+/// With M the triangle's largest coordinate and u = 2^-53, a middle rounds by u M in each coordinate, on top of the
+/// average error of its two ends. After k divisions a corner is off by at most √3 k u M, for k <= 20 less than 35 u M <
+/// 2^-47 M. Halves that underflow are off by less than the smallest normal number.
 double quartering_error(const Triangle& whole) {
   static_assert(most_quarterings <= 20);
   return 0x1p-47 * largest_coordinate(whole) + std::numeric_limits<double>::min();
@@ -85,7 +85,7 @@ double sum(double a, double b, Direction direction) {
 }
 
 /// The part of a triangle where the affine function of these sorted values at its corners is at most `limit`.
-/// Differences round by u, products, quotients and the last difference add less than 8u: the result, at most 1, is off
+/// Differences round by u; products, quotients and the last difference add less than 8u. The result, at most 1, is off
 /// by less than 2^-46.
 double part_below(const std::array<double, 3>& sorted, double limit) {
   const auto& [a, b, c] = sorted;
@@ -97,7 +97,7 @@ double part_below(const std::array<double, 3>& sorted, double limit) {
 
 constexpr double error_of_part = 0x1p-46;
 
-/// How often a bracket is halved.
+/// The number of times that a bracket is halved.
 constexpr int halvings = 14;
 
 /// A distance and its square, rounded either way.
@@ -110,7 +110,7 @@ Limit limit_of(double distance) {
   return {distance, {multiply(distance, distance, Direction::down), multiply(distance, distance, Direction::up)}};
 }
 
-/// Where d <= v the function is at most t(v) - below, and where it is at most t(v) - above, d <= v.
+/// If d <= v, the function is at most t(v) - below; if the function is at most t(v) - above, d <= v.
 Enclosure part_up_to(const WeightedCell& cell, const Limit& limit) {
   if (limit.distance >= cell.range.hi) return {1.0, 1.0};
   if (limit.distance < cell.range.lo) return {0.0, 0.0};
@@ -123,8 +123,8 @@ Enclosure part_up_to(const WeightedCell& cell, const Limit& limit) {
   return {std::max(0.0, lower), std::min(1.0, upper)};
 }
 
-/// Of the sum of w (m - mean) over all cells, each w in its interval the largest: where that is at most 0, no choice of
-/// weights has a greater mean. `sign` -1: of the lower ends, for the least mean.
+/// An upper bound of the sum of w (m - mean) over all cells, for the worst w in each interval. If it is at most 0, no
+/// choice of weights has a greater mean. With `sign` -1 it uses the lower ends, for the least mean.
 double greatest_excess(std::span<const WeightedCell> cells, double mean, double sign) {
   double sum_up = 0.0;
   for (const WeightedCell& cell : cells) {
@@ -136,8 +136,8 @@ double greatest_excess(std::span<const WeightedCell> cells, double mean, double 
   return sum_up;
 }
 
-/// The extreme mean over all choices of weights, about: each step chooses the weights that the last mean asks for
-/// (Dinkelbach's method), which climbs to it.
+/// The approximate extreme mean over all choices of weights. Each step chooses the best weights for the last mean
+/// (Dinkelbach's method), which climbs to the extreme.
 double extreme_mean(std::span<const WeightedCell> cells, double mean, double sign) {
   constexpr int steps = 8;
   for (int i = 0; i < steps; ++i) {
@@ -156,13 +156,13 @@ double extreme_mean(std::span<const WeightedCell> cells, double mean, double sig
 
 constexpr double step_beyond = 0x1p-40;  // more than sums of many millions of terms round
 
-/// A percentage as part/whole, both of them integers where few decimals write it: 99.9 means 999/1000, which its
-/// binary64 number is not. Hence exact products and quotients, and exact ranks, where these are binary64 numbers.
+/// A percentage as part/whole. Both are integers if few decimals write it: 99.9 means 999/1000, which its binary64
+/// number does not equal. Hence products, quotients and ranks are exact if they are binary64 numbers.
 struct Fraction {
   double part;
   double whole;
 
-  /// This fraction of so much.
+  /// This fraction of a number.
   [[nodiscard]] double of(double total, Direction direction) const {
     return divide(multiply(part, total, direction), whole, direction);
   }
@@ -219,7 +219,7 @@ Enclosure mean_of(std::span<const WeightedCell> cells) {
   return mean;
 }
 
-/// The mean of what the parts are.
+/// The mean of the cells' parts.
 Enclosure share_up_to(std::span<const WeightedCell> cells, double distance) {
   const Limit limit = limit_of(distance);
   std::vector<WeightedCell> parts;
@@ -273,8 +273,8 @@ double Distribution::first_at_least(std::span<const End> ends, double weight, bo
   return ends.back().distance;
 }
 
-/// With distances at their lower ends and weights at their largest the least v is no larger, with distances at their
-/// upper ends and weights at their smallest no smaller.
+/// With distances at their lower ends and weights at their largest the least v is no larger than the exact one. With
+/// distances at their upper ends and weights at their smallest it is no smaller.
 Enclosure Distribution::percentile(double percent) const {
   const Fraction fraction = fraction_of(percent);
   const Enclosure wanted{fraction.of(total_.lo, Direction::down), fraction.of(total_.hi, Direction::up)};
@@ -285,8 +285,8 @@ Enclosure Distribution::percentile(double percent) const {
   return balanced(found, {fraction.of(1.0, Direction::down), fraction.of(1.0, Direction::up)});
 }
 
-/// Of the sum of w (part up to the distance - p) over all cells, whichever weights and parts they have. Terms round by
-/// 4u each, n terms add up to within n u more of the sum of their magnitudes.
+/// The sum of w (part up to the distance - p) over all cells, for any weights and parts. Terms round by 4u each; n
+/// terms add up to within n u more of the sum of their magnitudes.
 Enclosure Distribution::balance(double distance, const Enclosure& part) const {
   const Limit limit = limit_of(distance);
   Enclosure balance{0.0, 0.0};
@@ -303,8 +303,8 @@ Enclosure Distribution::balance(double distance, const Enclosure& part) const {
   return {balance.lo - error, balance.hi + error};
 }
 
-/// As much as wanted of all weight lies up to v where the balance is not below 0, whatever the weights are; less where
-/// it is.
+/// If the balance is not below 0, at least the wanted share of all weight lies up to v, whatever the weights are. If it
+/// is below 0, less does.
 Enclosure Distribution::balanced(const Enclosure& percentile, const Enclosure& part) const {
   if (!(percentile.hi < infinity)) return percentile;
   Enclosure result = percentile;
@@ -333,8 +333,8 @@ Distribution::Near Distribution::near(const Enclosure& bracket) const {
   return near;
 }
 
-/// Sums of n numbers, none of them negative, to nearest: products and additions are off by less than (n + 2) u in all,
-/// u = 2^-53, relative to the result.
+/// Sums of n nonnegative numbers, to nearest: products and additions are off by less than (n + 2) u in all, u = 2^-53,
+/// relative to the result.
 Enclosure Distribution::weight_up_to(const Near& near, double distance) {
   const Limit limit = limit_of(distance);
   double lower = 0.0;
@@ -350,7 +350,7 @@ Enclosure Distribution::weight_up_to(const Near& near, double distance) {
           sum(near.before.hi, upper * (1.0 + error) + underflow, Direction::up)};
 }
 
-/// No less than v where less weight than wanted lies up to v, no more than v where as much does.
+/// The percentile is no less than v if less weight than wanted lies up to v, no more than v if as much does.
 Enclosure Distribution::narrowed(const Enclosure& percentile, const Enclosure& wanted) const {
   if (!(percentile.lo < percentile.hi) || percentile.hi == infinity) return percentile;
   Enclosure result = percentile;
@@ -381,9 +381,9 @@ Enclosure Distribution::narrowed(const Enclosure& percentile, const Enclosure& w
 
 namespace {
 
-/// More than what the roundings of differences, squares, sums and roots add up to, relative to the result.
+/// More than the sum of the roundings of differences, squares, sums and roots, relative to the result.
 constexpr double relative = 0x1p-48;
-/// More than what underflows in them may hide.
+/// More than the error that underflow in them may cause.
 constexpr double underflow = 0x1p-500;
 
 Interval interval(const Enclosure& e) {
@@ -413,7 +413,7 @@ Interval mean_of(const std::array<Interval, 3>& values) {
   return (values[0] + values[1] + values[2]) / Interval(3);
 }
 
-/// Between the interpolation of these values less `fall` and that plus `rise`.
+/// Between the interpolation of these values minus `fall` and the interpolation plus `rise`.
 AffineBounds about(const std::array<Interval, 3>& values, double fall, double rise, bool squared) {
   AffineBounds bounds{.below = -fall, .above = rise, .squared = squared};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -427,7 +427,7 @@ AffineBounds about(const std::array<Interval, 3>& values, double fall, double ri
   return bounds;
 }
 
-/// By the distances d alone, whatever the solid is.
+/// Bounds by the distances d alone, for any solid.
 PieceDistances by_distances(const Values& d, const PieceShape& shape) {
   const auto& [corners, at_centre] = d;
   const Interval squared_at_centre = square(at_centre);
@@ -440,7 +440,7 @@ PieceDistances by_distances(const Values& d, const PieceShape& shape) {
   const double least = least_squared > 0.0 ? square_root(least_squared, Direction::down) : 0.0;
   const double lower = std::max({0.0, (at_centre - Interval(shape.radius)).lower(), least});
 
-  // Over its interpolation at the corners a concave function rises nowhere by more than thrice what it does at the
+  // A concave function rises over its interpolation at the corners nowhere by more than three times its rise at the
   // centroid.
   const Interval excess = squared_at_centre - mean_square + Interval(4) * moment;
   const Interval greatest =
@@ -463,8 +463,8 @@ PieceDistances by_distances(const Values& d, const PieceShape& shape) {
   return {{lower, upper}, {mean_lower, mean_upper}, about(squared, shape.radius_squared, rise, true)};
 }
 
-/// By the signed distances where they are a convex function: between its interpolation, from above, and thrice what
-/// falls below that at the centroid.
+/// Bounds by the signed distances if they are a convex function. It lies below its interpolation at the corners, by at
+/// most three times its fall at the centroid.
 PieceDistances by_convexity(const Values& s) {
   const auto& [corners, at_centre] = s;
   const Interval interpolated = mean_of(corners);
@@ -478,7 +478,7 @@ PieceDistances by_convexity(const Values& s) {
   const Enclosure mean = magnitude({mean_least, mean_greatest});
   if (least >= 0.0) return {range, mean, about(corners, thrice, 0.0, false)};
   if (greatest <= 0.0) return {range, mean, about({-corners[0], -corners[1], -corners[2]}, 0.0, thrice, false)};
-  // Of both signs: |interpolation - fall|.
+  // For values of both signs: |interpolation - fall|.
   const Interval magnitudes = mean_of({abs(corners[0]), abs(corners[1]), abs(corners[2])});
   const double upper = (magnitudes + Interval(fall)).upper();
   return {range, {std::max({0.0, mean_least, -mean_greatest}), std::min(upper, range.hi)}};
@@ -495,9 +495,9 @@ double distance_between(const Point& a, const Point& b) {
 }  // namespace
 
 /// With M the triangle's largest coordinate (pieces near the origin inherit the roundings of far ones) and u = 2^-53, a
-/// midpoint rounds by u M in each coordinate, on top of what its two ends are off on average: after k halvings a corner
-/// is off by at most √3 k u M, the centre, of three corners, by √3 4 u M more. For k <= 60 that is less than 111 u M <
-/// 2^-46 M; what underflows is less than the smallest normal number.
+/// midpoint rounds by u M in each coordinate, on top of the average error of its two ends. After k halvings a corner is
+/// off by at most √3 k u M, the centre, of three corners, by √3 4 u M more. For k <= 60 that is less than 111 u M <
+/// 2^-46 M. Underflow costs less than the smallest normal number.
 double displacement(const Triangle& whole) {
   return 0x1p-46 * largest_coordinate(whole) + std::numeric_limits<double>::min();
 }
@@ -614,7 +614,7 @@ class Walk {
   Walk(const Triangle& triangle, const TriangleProof& proof, const SampleProofs& proofs)
       : proof_(proof), proofs_(proofs), area_(area_of(triangle)), off_(displacement(triangle)) {}
 
-  /// False where the proof ends before all of the triangle is told.
+  /// False if the proof ends before it covers all of the triangle.
   [[nodiscard]] bool follow(const TrianglePiece& whole) {
     std::vector<TrianglePiece> open{whole};
     for (const PieceProof step : proof_.pieces) {
@@ -636,7 +636,7 @@ class Walk {
   [[nodiscard]] TriangleDistances found() const { return {largest_, cells_}; }
 
  private:
-  /// At a point of the triangle to nearest: of the exact one.
+  /// The distance at the exact point of the triangle, from the point x rounded to nearest.
   [[nodiscard]] Enclosure next(const Point& x) {
     const Enclosure proven = widened(proofs_.distance(x, proof_.samples[used_++]), off_);
     largest_ = std::max(largest_, magnitude(proven).lo);

@@ -15,7 +15,7 @@ namespace verisq::verify {
 
 namespace {
 
-/// More than what underflows in any of the sums here may hide: roots of less than 2^-1000.
+/// More than underflow in any of the sums here may cost: roots of less than 2^-1000.
 constexpr double underflow = 0x1p-500;
 
 /// Shares of the second and the third corner.
@@ -67,9 +67,10 @@ Weights clamped(const Weights& weights) {
   return {b, c};
 }
 
-/// Off the exact point of these weights, which are exactly in [0, 1] with a sum of at most 1 + u, by less than 2^-48 M,
-/// M the triangle's largest coordinate: the two differences and products of at most 2M round by u each, the sums, of
-/// which one is at most 3M large, by u each, and beyond the sum of 1 lie 2uM: less than 16uM a coordinate.
+/// The point is off the exact point of these weights by less than 2^-48 M, M the triangle's largest coordinate. The
+/// weights are exactly in [0, 1] with a sum of at most 1 + u. The two differences and products of at most 2M round by u
+/// each; the sums, one of which is at most 3M large, by u each. The excess of the sum over 1 adds 2uM: less than 16uM a
+/// coordinate.
 Point point_at(const Triangle& triangle, const Weights& weights) {
   Point point;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -85,7 +86,7 @@ double length_up(const Point& v) {
 }
 
 /// The triangle lies in {x : v·(point - x) >= least v·(point - corner)}, for any v. Each product is of two rounded
-/// numbers, with their sum off by at most 5u of the sum of magnitudes; |v| from above and the quotient by 10u more.
+/// numbers; with their sum it is off by at most 5u of the sum of magnitudes. |v| from above and the quotient add 10u.
 double lower_by(const Point& point, const Point& v, const Triangle& triangle) {
   double least = infinity;
   for (const Point& corner : triangle) {
@@ -119,7 +120,7 @@ Bounds bounds_at(const Point& point, const Triangle& triangle, const Weights& we
   return {{lower_by(point, way, triangle), upper_of(way, displacement)}, way};
 }
 
-/// Where the determinants of a needle cancel the face is nowhere: its sides know better.
+/// If the determinants of a needle cancel, the face gives no bound: its sides give better ones.
 Enclosure with_sides(const Point& point, const Triangle& triangle, Enclosure distance, double displacement) {
   const auto& [a, b, c] = triangle;
   const double on_bc = near_share(point, b, c);
@@ -175,7 +176,7 @@ std::size_t longest_axis(std::span<const Triangle> triangles) {
   return longest;
 }
 
-/// Of the squared distance from a box, from below: differences, squares and sums are of one sign and round by less than
+/// The squared distance from a box, rounded down. Differences, squares and sums are of one sign and round by less than
 /// 8u in all; underflow is less than 2^-1060.
 double squared_distance_down(const Point& point, const Point& lower, const Point& upper) {
   double squares = 0.0;
@@ -221,7 +222,7 @@ std::uint32_t TriangleTree::build(std::span<Triangle> triangles, std::uint32_t f
 TriangleTree::Nearest TriangleTree::nearest(const Point& point) const {
   struct Branch {
     std::uint32_t node;
-    double squared;  ///< no triangle in it is nearer
+    double squared;  ///< no triangle in the box is nearer
   };
   const auto branch = [&](std::uint32_t node) {
     return Branch{node, squared_distance_down(point, nodes_[node].lower, nodes_[node].upper)};
@@ -321,14 +322,14 @@ Point between(const Point& a, const Point& b, double share) {
   return point;
 }
 
-/// Parts of a polygon on both sides of a plane, each of which may be empty.
+/// The parts of a polygon on both sides of a plane; each may be empty.
 struct Cut {
   Polygon inside{{}, 0};
   Polygon outside{{}, 0};
 };
 
-/// The sides are told by rounded numbers: where these change their sign twice, the parts are those beside the chord
-/// between two points of the boundary, whatever the plane is; where they do not, all is one part.
+/// Rounded numbers decide the sides. If these change their sign twice, the parts are the two parts beside the chord
+/// between two points of the boundary, whatever the plane is. Else the whole polygon is one part.
 Cut cut(const Polygon& polygon, const Point& on_plane, const Point& inward) {
   std::array<double, 3 + most_cuts> heights{};
   std::size_t changes = 0;
@@ -359,7 +360,7 @@ class Division {
  public:
   Division(const TriangleTree& triangles, double enough) : triangles_(triangles), enough_(enough) {}
 
-  /// Where that comes not below `enough` soon, the bound by the triangle n alone.
+  /// If the bound does not get below `enough` soon: the bound by the triangle n alone.
   double farthest(const Polygon& polygon, std::uint32_t n) {
     const Triangle& triangle = triangles_.triangle(n);
     const double whole = farthest_corner(polygon, triangle);
@@ -375,7 +376,7 @@ class Division {
       rest = parts.inside;
       if (parts.outside.size == 0) continue;
       const std::uint32_t other = triangles_.nearest(middle(parts.outside)).triangle;
-      // Over itself again: it was cut off by rounding, or lies beyond the mesh's rim.
+      // The part lies over the triangle n again: rounding cut it off, or it lies beyond the mesh's rim.
       const double part = other == n ? farthest_corner(parts.outside, triangle) : farthest(parts.outside, other);
       farthest_part = std::max(farthest_part, part);
       if (!(farthest_part <= enough_)) return whole;
@@ -396,8 +397,8 @@ double farthest_of_polygon(std::span<const Point, 3> corners, const TriangleTree
                            double enough) {
   Polygon polygon{{}, 0};
   for (const Point& corner : corners) polygon.add(corner);
-  // A crossing rounds by at most 4 u M a coordinate, M the largest coordinate, on top of what its ends are off: after
-  // thrice most_divisions cuts it is off by less than 2^-44 M. What underflows in it is below 2^-1060: the distances of
+  // A crossing rounds by at most 4 u M a coordinate, M the largest coordinate, on top of the error of its ends. After
+  // thrice most_divisions cuts it is off by less than 2^-44 M. Underflow in it is below 2^-1060: the distances of
   // corners, which are rounded up by 2^-500, have room for that.
   const double displacement = 0x1p-44 * largest_coordinate(corners);
   const double inner = subtract(enough, displacement, Direction::down);

@@ -18,26 +18,26 @@ namespace verisq::verify {
 /// Precondition: finite.
 [[nodiscard]] Enclosure distance_from_triangle(const Point& point, const Triangle& triangle);
 
-/// Its upper end alone.
+/// The upper end of the distance alone.
 [[nodiscard]] double distance_from_triangle_up(const Point& point, const Triangle& triangle);
 
-// A tree of boxes over triangles: the distance of a point from all of them, enclosed.
+// A tree of boxes over triangles: encloses the distance of a point from all of them.
 
-/// Points are triangles whose corners coincide. Immutable: safe to ask from many threads.
+/// Points are triangles whose corners coincide. Immutable: many threads may call it.
 class TriangleTree {
  public:
   /// Precondition: at least one triangle, finite corners.
   explicit TriangleTree(std::vector<Triangle> triangles);
 
   struct Nearest {
-    Enclosure distance;      ///< to the nearest of all triangles
+    Enclosure distance;      ///< distance to the nearest of all triangles
     std::uint32_t triangle;  ///< one that is no farther than distance.hi, by `triangle(...)`
   };
 
   /// Precondition: finite.
   [[nodiscard]] Nearest nearest(const Point& point) const;
 
-  /// Whether every triangle but n is proven to be farther than `reach` from the point.
+  /// Returns whether every triangle but n is proven to be farther than `reach` from the point.
   [[nodiscard]] bool alone(const Point& point, double reach, std::uint32_t n) const;
 
   [[nodiscard]] const Triangle& triangle(std::uint32_t n) const { return triangles_[n]; }
@@ -48,7 +48,7 @@ class TriangleTree {
     Point lower;
     Point upper;
     std::uint32_t first;  ///< triangle of a leaf, else the second child; the first follows its parent
-    std::uint32_t count;  ///< of triangles; 0 for an inner node
+    std::uint32_t count;  ///< number of triangles; 0 for an inner node
   };
 
   std::uint32_t build(std::span<Triangle> triangles, std::uint32_t first);
@@ -60,11 +60,11 @@ class TriangleTree {
 /// Each triangle of the mesh, or each vertex of a cloud as a triangle. Precondition: indices in range.
 [[nodiscard]] std::vector<Triangle> triangles_of(const Mesh& mesh);
 
-// How far the points of a small polygon lie from many triangles, at most: the polygon is cut along the sides of the
-// triangles that it lies over (docs/mathematics.md §20).
+// Upper bounds of the distances of a small polygon's points from many triangles. The polygon is cut along the sides of
+// the triangles over which it lies (docs/mathematics.md §20).
 
-/// An upper bound of the distance from the triangles over the convex hull of three points, that tries no harder than to
-/// come below `enough`. `first`: a triangle to begin with.
+/// An upper bound of the distance from the triangles over the convex hull of three points. Stops as soon as the bound
+/// is below `enough`. `first` is the triangle to begin with.
 [[nodiscard]] double farthest_of_polygon(std::span<const Point, 3> corners, const TriangleTree& triangles,
                                          std::uint32_t first, double enough);
 

@@ -38,9 +38,9 @@ double MemberBounds::upper(double of_smallest) const {
   return sum(sum(of_smallest, shift_, Direction::up), other_shift_, Direction::up);
 }
 
-// The same steps backwards: y <= claimed - radius and x <= y - shift give x + shift <= y and y + radius <= claimed,
-// and rounding up to binary64 does not pass the binary64 numbers y and claimed. In turn x is not below an upper end
-// that `upper` made `claimed` from.
+// The same steps backwards: y <= claimed - radius and x <= y - shift give x + shift <= y and y + radius <= claimed, and
+// rounding up to binary64 does not pass the binary64 numbers y and claimed. In turn x is not below an upper end that
+// `upper` turned into `claimed`.
 double MemberBounds::upper_asked_for(double claimed) const {
   return sum(sum(claimed, -other_shift_, Direction::down), -shift_, Direction::down);
 }
@@ -79,7 +79,7 @@ std::array<double, N> mapped(const std::array<Enclosure, N>& intervals, double (
 
 constexpr auto low = [](const Enclosure& interval) { return interval.lo; };
 constexpr auto high = [](const Enclosure& interval) { return interval.hi; };
-/// In the interval, because rounding is monotone.
+/// The middle lies in the interval, because rounding is monotone.
 constexpr auto middle = [](const Enclosure& interval) { return std::midpoint(interval.lo, interval.hi); };
 
 template <std::size_t N>
@@ -101,8 +101,8 @@ PreciseInterval shift_of(const UncertainPrimitive& primitive) {
   return length<Real>(farthest);
 }
 
-/// Contains K + d for every |d| <= s. K is convex and contains the ball B(r) about its centre, hence
-/// K + d ⊂ K + B(s) = K + (s/r) B(r) ⊂ K + (s/r) K = (1 + s/r) K; semi-axes rounded up only add to it.
+/// The result contains K + d for every |d| <= s. K is convex and contains the ball B(r) about its centre, hence K + d ⊂
+/// K + B(s) = K + (s/r) B(r) ⊂ K + (s/r) K = (1 + s/r) K. Rounding the semi-axes up only enlarges it.
 Superquadric inflated(const Superquadric& solid, const PreciseInterval& shift) {
   const PreciseInterval factor = PreciseInterval(1) + shift / inner_radius(solid);
   Superquadric result = solid;

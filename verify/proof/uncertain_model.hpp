@@ -1,4 +1,4 @@
-/// Uncertain models: the two that every one lies between, and what follows of its distances.
+/// Uncertain models: the two bracketing models between which every member lies, and bounds of the members' distances.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace verisq::verify {
 
 // Something made of each of the models that bracket an uncertain one.
 
-/// Whether `largest` is `smallest`: at most the translations are uncertain.
+/// Returns whether `largest` has the solids of `smallest`: at most the translations are uncertain.
 [[nodiscard]] inline bool same_solids(const Bracket& models) {
   return std::ranges::equal(models.smallest.primitives, models.largest.primitives,
                             [](const Primitive& x, const Primitive& y) {
@@ -20,7 +20,7 @@ namespace verisq::verify {
                             });
 }
 
-/// As verisq::bracket, but that what a tree removes is as small in `smallest` as the rest: right of unions.
+/// Like verisq::bracket, but in `smallest` a removed part of the set tree is as small as the rest: valid for unions.
 [[nodiscard]] Bracket bracket_of_primitives(const UncertainModel& model);
 
 template <class T>
@@ -47,7 +47,7 @@ template <class Make>
   return bracketed(models, make, make);
 }
 
-// From distances to the bracketing models to bounds that hold for every member of an uncertain model.
+// From distances to the bracketing models to bounds that are valid for every member of an uncertain model.
 
 /// Bounds of the distances of every point within `point_radius` of the one asked for (of every triangle whose corners
 /// are) to every member, rounded outward; why they hold is said at Bracket. Distances are 1-Lipschitz: each bound is
@@ -63,26 +63,26 @@ class MemberBounds {
   MemberBounds(const Bracket& bracket, double point_radius);
   MemberBounds(const Bracket& a, const Bracket& b);
 
-  /// Whether there is a single member, and points are exact: then distances to `smallest` are the answer.
+  /// Returns whether there is a single member and points are exact: then distances to `smallest` are the answer.
   [[nodiscard]] bool exact() const { return exact_; }
 
-  /// From an upper end, proven by one primitive, of the distance to `smallest`.
+  /// The upper end for all members, from an upper end, proven by one primitive, of the distance to `smallest`.
   [[nodiscard]] double upper(double of_smallest) const;
 
-  /// The largest upper end from which `upper` is sure to make at most `claimed`.
+  /// The largest upper end that `upper` is sure to turn into at most `claimed`.
   [[nodiscard]] double upper_asked_for(double claimed) const;
 
-  /// From lower ends of the signed distances to `largest` and to `inflated`. Precondition: the latter is given where
-  /// the bracket has such a model.
+  /// The lower end for all members, from lower ends of the signed distances to `largest` and to `inflated`.
+  /// Precondition: the latter is given if the bracket has such a model.
   [[nodiscard]] double signed_lower(double of_largest, std::optional<double> of_inflated) const;
 
-  /// From a lower end of a triangle's distance to `largest`, or of the distance of two models. The distance of a union
-  /// is the least of its primitives', overlapping or not.
+  /// The lower end for all members, from a lower end of a triangle's distance to `largest`, or of the distance of two
+  /// models. The distance of a union is the least of its primitives' distances, overlapping or not.
   [[nodiscard]] double unsigned_lower(double of_largest) const;
 
  private:
   double shift_;
-  double other_shift_;  ///< of points, or of the other model
+  double other_shift_;  ///< the shift of points, or of the other model
   bool exact_;
 };
 

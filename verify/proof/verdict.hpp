@@ -1,4 +1,4 @@
-/// What a check says: judgements, intersections of proven enclosures, its steps.
+/// The parts of a check: judgements, intersections of proven enclosures, steps.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 namespace verisq::verify {
 
-// What a proven enclosure says of a claimed one.
+// Compares a claimed enclosure with a proven one.
 
-/// `proven` encloses the exact value, or those of all members of an uncertain model; `some_member` encloses that of
-/// one.
+/// `proven` encloses the exact value, or the values of all members of an uncertain model. `some_member` encloses the
+/// value of one member.
 [[nodiscard]] inline Finding judged(const Enclosure& claimed, const Enclosure& proven, const Enclosure& some_member) {
   if (claimed.lo > claimed.hi || claimed.lo > some_member.hi || claimed.hi < some_member.lo) {
     return {Verdict::refuted, proven};
@@ -25,16 +25,16 @@ namespace verisq::verify {
   return {Verdict::unproved, proven};
 }
 
-// What two proofs of one number say together.
+// Combines two proofs of one number.
 
-/// Throws Error(failure) that names `what` was proven, and both enclosures.
+/// Throws Error(failure) with a message that `what` was proven, and both enclosures.
 [[noreturn]] void report_contradiction(const Enclosure& a, const Enclosure& b, const std::string& what);
 
 /// "(x, y, z)", for messages.
 [[nodiscard]] std::string text_of(const Point& x);
 
-/// Both contain the exact value; if they have nothing in common, or hold what is no number, one of the proofs is wrong,
-/// which must never pass silently: throws Error(failure). `describe()` says what the value is; called only then.
+/// Both enclosures contain the exact value. If they have nothing in common, or contain NaN, one of the proofs is wrong,
+/// which must never pass silently: throws Error(failure). `describe()` names the value; it is called only then.
 template <std::invocable Describe>
 [[nodiscard]] Enclosure intersection(const Enclosure& a, const Enclosure& b, const Describe& describe) {
   const Enclosure both{std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
@@ -42,7 +42,7 @@ template <std::invocable Describe>
   return both;
 }
 
-/// The ends of which are proven apart from each other; likewise.
+/// The enclosure of two ends that are proven apart from each other; throws the same error.
 template <std::invocable Describe>
 [[nodiscard]] Enclosure between(double lower, double upper, const Describe& describe) {
   return intersection({lower, infinity}, {-infinity, upper}, describe);
@@ -52,7 +52,7 @@ template <std::invocable Describe>
 
 class CheckSteps {
  public:
-  /// Of so many parts in all. The options must outlive this.
+  /// `all` is the number of all parts. The options must outlive this.
   CheckSteps(std::size_t all, const CheckOptions& options) : all_(all), options_(&options) {}
 
   /// Calls work(i) for each i below `count`, or for fewer once interrupted.
@@ -69,7 +69,7 @@ class CheckSteps {
     }
   }
 
-  /// For what takes long within a part.
+  /// A hook for long work within a part.
   [[nodiscard]] const std::function<bool()>& interrupted() const { return options_->interrupted; }
 
  private:

@@ -14,9 +14,10 @@
 namespace verisq::verify {
 namespace {
 
-/// So that no cube costs more than a moment: one that is cut into more is bounded by nothing or all of it.
+/// A limit so that no cube costs more than a moment: a cube that needs more tetrahedra is bounded by nothing or all of
+/// it.
 constexpr std::size_t most_tetrahedra = 4096;
-/// Cuts lie that little short of where the function vanishes: on this side of it, whatever the rounding.
+/// Cuts lie by this share before the place where the function vanishes: on this side of it, whatever the rounding.
 constexpr double just_short = 1.0 - 0x1p-48;
 
 struct Tetrahedron {
@@ -24,7 +25,7 @@ struct Tetrahedron {
   std::array<std::uint32_t, 4> corners;
 };
 
-/// What of a set is wanted: tetrahedra that surely lie in it, or those that may.
+/// The wanted tetrahedra: those that surely lie in a set, or those that may.
 enum class Wanted : std::uint8_t { surely, maybe };
 
 /// Cuts the cube at functions until each tetrahedron surely lies in the set, surely does not, or is thin.
@@ -49,12 +50,12 @@ class Dissection {
     std::array<Place, 4> places;
   };
 
-  /// Where this is not positive, a point is surely in the part (`surely`), or surely not in its inside (`maybe`).
+  /// If this is not positive, a point is surely in the part (`surely`), or surely not in its interior (`maybe`).
   [[nodiscard]] double decisive(const Interval& height) const {
     return wanted_ == Wanted::surely ? height.upper() : -height.lower();
   }
 
-  /// Functions that are decided for the whole cube need no cuts. False where the set is empty.
+  /// Drops functions that are decided for the whole cube: they need no cuts. False if the set is empty.
   bool take_what_matters(const PartOfCube& part) {
     for (const UnionOfParts& whole : part) {
       const std::size_t first = functions_.size();
@@ -77,7 +78,7 @@ class Dissection {
     return true;
   }
 
-  /// From the corner 0 to the corner 7 along the axes, in each of their orders.
+  /// Tetrahedra from the corner 0 to the corner 7 along the axes, in each order of the axes.
   void cut_cube_into_six() {
     for (std::size_t corner = 0; corner < 8; ++corner)
       for (const CornerHeights* function : functions_) heights_.push_back((*function)[corner]);
@@ -89,7 +90,7 @@ class Dissection {
     } while (std::ranges::next_permutation(axes).found);
   }
 
-  /// Of each tetrahedron what lies in one of the parts. False where that takes too many.
+  /// Keeps the part of each tetrahedron that lies in one of the parts. False if that takes too many tetrahedra.
   bool keep_union(std::size_t first, std::size_t last) {
     std::vector<Tetrahedron> kept;
     std::vector<Tetrahedron> rest = std::move(tetrahedra_);
@@ -110,7 +111,7 @@ class Dissection {
     return heights_[corner * functions_.size() + function];
   }
 
-  /// Into tetrahedra of which all corners are decided, where a linear function is decided everywhere, and others.
+  /// Splits into tetrahedra whose corners are all decided, where a linear function is decided everywhere, and others.
   void split(const Tetrahedron& whole, std::size_t function, std::vector<Tetrahedron>& decided,
              std::vector<Tetrahedron>& others) {
     Piece start{whole, {}};
@@ -134,8 +135,8 @@ class Dissection {
     }
   }
 
-  /// At a point of the edge from a decided corner that is decided itself, as near to where the function vanishes as may
-  /// be; nowhere where that is the corner itself.
+  /// Cuts at a decided point of the edge from a decided corner, as near as possible to the place where the function
+  /// vanishes. Does not cut if that is the corner itself.
   void cut(Piece& piece, std::size_t from, std::size_t to, std::size_t function) {
     const std::uint32_t a = piece.tetrahedron.corners[from];
     const std::uint32_t b = piece.tetrahedron.corners[to];
@@ -268,18 +269,20 @@ struct SweptPrimitive::Placement {
 /// A plane that moves with the primitive, which lies behind it, during a part of a leg.
 struct SweptPrimitive::Facing {
   PartOfLeg times;
-  CornerHeights heights;  ///< what is swept of the cube lies where they are not positive
-  double sag;             ///< by which they were lowered, for what the plane does between begin and end
+  CornerHeights heights;  ///< the swept part of the cube lies where the heights are not positive
+  double sag;             ///< the amount by which they were lowered, for the plane's motion between begin and end
   double time;            ///< when the gauge at the cube's centre is least, about
-  double gauge;           ///< there and then, about
+  double gauge;           ///< about the gauge at the centre at that time
 };
 
-/// Whether it leaves nothing out, however short its part of a leg is. About: proposes what need not be halved.
+/// Returns whether the plane excludes nothing of the cube, however short its part of a leg is. Approximate: it proposes
+/// which parts need no halving.
 bool SweptPrimitive::is_beyond_nothing(const Facing& deepest) {
   return std::ranges::all_of(deepest.heights, [&](const Interval& h) { return h.lower() + deepest.sag <= 0.0; });
 }
 
-/// Whether it lets little more in than the deepest one does, however short the part of that is. About, likewise.
+/// Returns whether the plane admits little more than the deepest one, however short that one's part is. Approximate,
+/// too.
 bool SweptPrimitive::is_above(const Facing& other, const Facing& deepest, double allowed) {
   for (std::size_t k = 0; k < 8; ++k) {
     if (other.heights[k].lower() < deepest.heights[k].lower() + deepest.sag - allowed) return false;
@@ -329,9 +332,9 @@ MovingGauge SweptPrimitive::moving_gauge(std::uint32_t leg) const {
   return {gauge_, {rotation_, translation_}, path_.pose(leg, 0.0), path_.motion(leg)};
 }
 
-/// Let y = R^T (x - t) be where the implant has a point x of the cube, and v a vector of length 1 of its frame. Then
-/// |(v·y)''| <= |w|² |x - t| + 2 |w| |t'|, and v·y lies, between two times, above its chord less an eighth of that and
-/// of the square of the time between. Precondition: the leg turns.
+/// Let y = R^T (x - t) be the place of a point x of the cube in the implant's frame, and v a vector of length 1 of that
+/// frame. Then |(v·y)''| <= |w|² |x - t| + 2 |w| |t'|. Between two times, v·y lies above its chord minus an eighth of
+/// that bound times the square of the time between. Precondition: the leg turns.
 double SweptPrimitive::sag(const Cube& cube, const PartOfLeg& times) const {
   const EnclosedMotion& motion = path_.motion(times.leg);
   const Interval spin = length<double>(motion.spin);
@@ -342,8 +345,8 @@ double SweptPrimitive::sag(const Cube& cube, const PartOfLeg& times) const {
   return (square(lasts) * bend / Interval(8)).upper();
 }
 
-/// The plane is that through the support point of v, which moves with the primitive: v·z <= h(v) for all points z of
-/// it, and v·z of a point of the cube is linear in that at each time.
+/// The plane goes through the support point of v, which moves with the primitive: v·z <= h(v) for all points z of the
+/// primitive. For a point of the cube v·z is linear in the point at each time.
 SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg& times) const {
   const MovingGauge moving = moving_gauge(times.leg);
   const Vector3d centre(cube.centre[0], cube.centre[1], cube.centre[2]);
@@ -368,7 +371,7 @@ SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg&
   return result;
 }
 
-/// Parts of legs are halved where what their planes do in between decides, beside the square of the cube.
+/// Parts of legs are halved if the motion of their planes in between decides, beside the square of the cube.
 SweptPrimitive::InCube SweptPrimitive::in(const Cube& cube, std::span<const PartOfLeg> times,
                                           const std::function<bool()>& interrupted) const {
   const double allowed = cube.half_width * std::min(1.0, cube.half_width / smallest_semi_axis_) / 8.0;
@@ -416,7 +419,7 @@ CornerHeights SweptPrimitive::inner(const Cube& cube, const Moment& moment) cons
   return heights;
 }
 
-/// Nothing where it cannot be halved at a time at which the path is known.
+/// The middle; nothing if the part cannot be halved at a time at which the path is known.
 std::optional<double> SweptPrimitive::middle_of(const PartOfLeg& times) const {
   const double middle = std::round((times.begin + times.end) / (2.0 * path_.step())) * path_.step();
   if (!(times.begin < middle && middle < times.end)) return std::nullopt;

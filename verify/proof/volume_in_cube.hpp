@@ -19,15 +19,15 @@
 
 namespace verisq::verify {
 
-// How much of a cube lies in a set that half-spaces enclose from within and from without (docs/mathematics.md §23).
+// The volume of a cube's part in a set that half-spaces bracket from within and from without (docs/mathematics.md §23).
 
-/// Values at the corners of a cube, of which the one k lies at the larger x, y, z where bit 0, 1, 2 of k is set. They
-/// are those of a function that is linear on each of the six tetrahedra between the corner 0 and the corner 7 along the
-/// edges; meant is the part of the cube where it is not positive.
+/// Values at the corners of a cube; corner k lies at the larger x, y, z if bit 0, 1, 2 of k is set. They are values of
+/// a function that is linear on each of six tetrahedra. The tetrahedra lie between the corner 0 and the corner 7 along
+/// the edges. The heights describe the part of the cube where the function is not positive.
 using CornerHeights = std::array<Interval, 8>;
 
-/// Of a function that is linear on the whole cube: its value at the centre, and by how much it rises from there to the
-/// sides of larger x, y and z.
+/// The heights of a function that is linear on the whole cube, by its value at the centre and its rise from there to
+/// the sides of larger x, y and z.
 [[nodiscard]] CornerHeights linear_heights(const Interval& at_centre, const Vector3<double>& rise);
 
 [[nodiscard]] CornerHeights negative(const CornerHeights& heights);
@@ -38,25 +38,25 @@ using UnionOfParts = std::vector<CornerHeights>;
 /// The intersection of such unions; of none it is the whole cube.
 using PartOfCube = std::vector<UnionOfParts>;
 
-/// A set of which the one is a part, and which is a part of the other.
+/// A set between two others: `inner` is a part of it, and it is a part of `outer`.
 struct BracketedPart {
   PartOfCube inner;
   PartOfCube outer;
 };
 
-/// Nothing of the cube, and nothing known.
+/// Sets the part to the empty set, or to an unknown set.
 void leave_nothing(BracketedPart& part);
 void leave_unknown(BracketedPart& part);
 
 /// Encloses the volume of the set in a cube of this half-width.
 [[nodiscard]] Enclosure volume_in_cube(double half_width, const BracketedPart& part);
 
-/// That of the whole cube.
+/// The volume of the whole cube.
 [[nodiscard]] Interval volume_of_cube(double half_width);
 
-// What of a cube a convex primitive sweeps on its way, from within and from without (docs/mathematics.md §23).
+// The part of a cube that a convex primitive sweeps on its way, from within and from without (docs/mathematics.md §23).
 
-/// Of a leg of the path the shares from `begin` to `end`, in [0, 1].
+/// The part of a leg of the path between the shares `begin` and `end`, in [0, 1].
 struct PartOfLeg {
   std::uint32_t leg;
   double begin;
@@ -81,17 +81,18 @@ class SweptPrimitive {
   };
 
   struct InCube {
-    std::vector<PartOfLeg> times = {};  ///< what is swept at others does not meet the cube; none: nothing does
-    CornerHeights outer = {};           ///< where there are times: all that is swept of the cube lies there
-    Moment deepest = {};                ///< likewise: when to look from within; proves nothing
+    std::vector<PartOfLeg> times = {};  ///< at other times the swept region does not meet the cube; empty: it never
+                                        ///< does
+    CornerHeights outer = {};           ///< if there are times: the whole swept part of the cube lies in this part
+    Moment deepest = {};                ///< if there are times: the time for a bound from within; proves nothing
   };
 
-  /// Of what is swept at these times; once `interrupted`, which is polled, nothing of the kind is meant. Precondition:
-  /// what is swept at others does not meet the cube.
+  /// The part of the cube that is swept at these times. `interrupted` is polled; once it returns true, the result is
+  /// meaningless. Precondition: at other times the swept region does not meet the cube.
   [[nodiscard]] InCube in(const Cube& cube, std::span<const PartOfLeg> times,
                           const std::function<bool()>& interrupted) const;
 
-  /// A part of the cube that lies in the primitive about then.
+  /// A part of the cube that lies in the primitive at about this moment.
   [[nodiscard]] CornerHeights inner(const Cube& cube, const Moment& moment) const;
 
  private:
@@ -108,9 +109,9 @@ class SweptPrimitive {
 
   const EnclosedPath& path_;
   SuperquadricBounds<Real> bounds_;
-  Matrix3<double> rotation_;     ///< from the primitive's own frame
-  Vector3<double> translation_;  ///< its origin: the focus
-  Interval radius_;              ///< of a sphere about it that contains the primitive
+  Matrix3<double> rotation_;     ///< rotation from the primitive's own frame
+  Vector3<double> translation_;  ///< translation of its origin: the focus
+  Interval radius_;              ///< radius of a sphere about the focus that contains the primitive
   double smallest_semi_axis_;
   NormFunction<double> gauge_;  ///< proposes
 };

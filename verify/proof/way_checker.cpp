@@ -29,7 +29,7 @@ using verify::RigidPath;
 struct InsertionChecker::State {
   State(const Model& model, std::span<const Pose> poses) : implant(model), path(poses, verify::seat_of(model, poses)) {}
 
-  /// Of parts that do not follow each other from the first time to the last nothing.
+  /// The lower end; nothing is proven unless the parts follow each other from the first time to the last.
   [[nodiscard]] double lower(const Point& point, double asked, const InsertionCertificate& certificate,
                              const verify::Hook& interrupted) const {
     double least = infinity;
@@ -84,7 +84,7 @@ using verify::RigidPath;
 
 namespace {
 
-/// Between which progress is told.
+/// The number of triangles between two reports of progress.
 constexpr std::size_t triangles_at_a_time = 64;
 
 const Model& required_union(const Model& model) {
@@ -114,7 +114,7 @@ struct WaySurfaceChecker::State {
         solids(verify::solids_of(model)),
         path(poses, verify::seat_of(model, poses)) {}
 
-  /// What the vertices say of each triangle.
+  /// The lower bound that the vertices give for each triangle.
   [[nodiscard]] std::vector<double> least_by_vertices(std::span<const Enclosure> of_vertices) const {
     std::vector<double> least(bone.triangles.size());
     for (std::size_t n = 0; n < least.size(); ++n)
@@ -242,7 +242,7 @@ double sum_up(double a, double b) {
   return add(a, b, Direction::up);
 }
 
-/// How far a point anywhere in the ball may be from `x`.
+/// The largest possible distance of a point of the ball from `x`.
 double farthest(const PointBall& ball, const Point& x) {
   return sum_up(distance_up(ball.centre, x), ball.radius);
 }
@@ -269,20 +269,20 @@ Chord chord_of(const RigidPath& path, const Point& c, const Moment& begin, const
   if (!is_finite(a) || !is_finite(b) || !std::isfinite(way)) return {begin, end, infinity};
   const double apart = subtract(distance_down(a.centre, b.centre), sum_up(a.radius, b.radius), Direction::down);
   const double chord = std::clamp(apart, 0.0, way);
-  // (L - l) (L + l), of which the first factor alone is rounded by much of itself.
+  // (L - l) (L + l): only the first factor is rounded by a large share of itself.
   const double product = multiply(subtract(way, chord, Direction::up), sum_up(way, chord), Direction::up);
   return {begin, end, multiply(0.5, square_root(product, Direction::up), Direction::up)};
 }
 
-// A point of the way is at most the bulge off a point x of the straight line from `begin` to `end`, and x no farther
-// from the point of the segment that divides it alike than the farther of the ends from the segment's.
+// A point of the way is at most the bulge off a point x of the straight line from `begin` to `end`. Consider the point
+// of the segment that divides it alike: x is no farther from it than the farther of the ends from the segment's end.
 double offset_of(const Chord& chord, const std::array<Point, 2>& segment) {
   const auto& [first, last] = segment;
   if (!std::isfinite(chord.bulge) || !is_finite(first) || !is_finite(last)) return infinity;
   return sum_up(chord.bulge, std::max(farthest(chord.begin.place, first), farthest(chord.end.place, last)));
 }
 
-// All points of the segment are outside, and at least as far as the segment; and the signed distance changes by no more
+// All points of the segment are outside, and at least as far as the segment. The signed distance changes by no more
 // than a point moves.
 double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked) {
   const double offset = offset_of(chord, part.segment);
@@ -311,13 +311,13 @@ bool are_finite(const Triangle& corners) {
   return std::ranges::all_of(corners, [](const Point& corner) { return is_finite(corner); });
 }
 
-/// {v·x <= h(v)} holds the solid, and the hull of both triangles lies beyond it by what the nearer of them does: the
-/// same v for both.
+/// {v·x <= h(v)} contains the solid, and the hull of both triangles lies beyond it by as much as the nearer triangle: v
+/// is the same for both.
 double beyond(const PosedSuperquadric& solid, const PosedTriangle& begin, const PosedTriangle& end, const Proposal& v) {
   return std::min(lower_by_normal(solid, begin, v), lower_by_normal(solid, end, v));
 }
 
-/// How far the solid is from the hull, at least.
+/// A lower bound of the distance between the solid and the hull.
 double distance_of(const PosedSuperquadric& solid, const MovedPrism& hull, std::size_t index,
                    std::span<const Normal> normals) {
   const PosedTriangle begin(hull.begin, solid.motion());
@@ -349,9 +349,9 @@ MovedPrism moved(const WayPrism& prism, const Point& step) {
   return hull;
 }
 
-// A point of the piece is a mean Σ λ_i c_i of its corners, λ_i >= 0, and at any time it is seen at Σ λ_i q_i, where the
-// corners are seen at q_i: no farther from Σ λ_i y_i than the farthest of the q_i is from its y_i, whatever these are.
-// There are such y_i on the corners' segments, by their chords; and Σ λ_i y_i is in the hull of these. The exact
+// A point of the piece is a mean Σ λ_i c_i of its corners, λ_i >= 0. At any time it is seen at Σ λ_i q_i, where the
+// corners are seen at q_i. It is no farther from Σ λ_i y_i than the farthest of the q_i from its y_i, whatever these
+// are. Such y_i exist on the corners' segments, by their chords, and Σ λ_i y_i is in the hull of these. The exact
 // corners are seen no farther from q_i than they are from c_i, because motions keep distances.
 double offset_of(const WayPrism& prism, const MovedPrism& hull) {
   double offset = 0.0;
@@ -367,7 +367,7 @@ Proposal outward_normal(const PosedSuperquadric& solid, const MovedPrism& hull) 
   return is_finite(middle) ? midpoint(solid.motion().local_point(middle)) : Proposal{};
 }
 
-// As of a WayPart: all points of the hull are outside, and at least as far as the nearest solid; the signed distance
+// Like a WayPart: all points of the hull are outside, and at least as far as the nearest solid. The signed distance
 // changes by no more than a point moves.
 double lower_end(std::span<const PosedSuperquadric> solids, const WayPrism& prism, const MovedCell& cell) {
   if (!is_finite(cell.step)) return -infinity;
@@ -419,7 +419,7 @@ class Walk {
     return false;
   }
 
-  /// What comes first is put last.
+  /// Pushes the parts in reverse order: the first part is put last.
   [[nodiscard]] bool quarter(const WayPiece& piece) {
     if (piece.quarterings == most_quarterings) return false;
     const std::array<Triangle, 4> parts = quarters(piece.corners);
@@ -441,7 +441,7 @@ class Walk {
   const Hook& interrupted_;
   PiecesOnWay pieces_;
   std::vector<WayPiece> open_;
-  std::size_t used_ = 0;  ///< of the moved cells
+  std::size_t used_ = 0;  ///< number of the moved cells used so far
   double least_ = infinity;
 };
 

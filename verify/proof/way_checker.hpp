@@ -28,7 +28,8 @@ namespace verisq::verify {
   return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
 }
 
-/// Likewise, with an enclosure for each vertex.
+/// The lower ends of the enclosures at a triangle's vertices. Precondition: below the number of triangles; an enclosure
+/// for each vertex.
 [[nodiscard]] inline std::array<double, 3> lower_ends(const Mesh& mesh, std::size_t triangle,
                                                       std::span<const Enclosure> of_vertices) {
   const auto& [a, b, c] = mesh.triangles[triangle];
@@ -43,11 +44,11 @@ namespace verisq::verify {
   return least;
 }
 
-// Parts of a way of insertion, and what is proven of points and triangles along each.
+// Parts of a way of insertion, and the bounds proven for points and triangles along each part.
 
-// Where a part of a path is halved.
+// The time at which a part of a path is halved.
 
-/// Poses are the natural places to halve a path; between two of them, time. Such times have few digits.
+/// A path is halved at poses; between two poses it is halved in time. Such times have few digits.
 [[nodiscard]] inline double middle_of_way(double begin, double end) {
   const double half = begin + (end - begin) / 2;
   return end - begin > 1.0 ? std::floor(half) : half;
@@ -57,7 +58,7 @@ namespace verisq::verify {
 
 namespace verisq {
 
-// What is asked of every path of poses.
+// Requirements on every path of poses.
 
 /// Throws Error(input) for a path without poses, and for poses that are not finite or have a zero quaternion.
 void check_path(std::span<const Pose> path);
@@ -66,21 +67,21 @@ void check_path(std::span<const Pose> path);
 /// choose one. Precondition: `check_path` has passed.
 void check_turns(std::span<const Pose> path);
 
-/// Of half the angle between two rotations, the smaller one: in [0, 1], about, whatever the quaternions' lengths.
-/// Precondition: finite, not zero.
+/// The approximate cosine of half the angle between two rotations, the smaller angle: in [0, 1], whatever the
+/// quaternions' lengths. Precondition: finite, not zero.
 [[nodiscard]] double cosine_of_half_turn(const Pose& from, const Pose& to);
 
 }  // namespace verisq
 
 namespace verisq::verify {
 
-// What a part of the way of a point through the implant's frame says of its distance to the implant.
+// The bounds of a point's distance to the implant, by a part of the point's way through the implant's frame.
 
-/// About where the implant is at the end of its path, and so are the points of the bone that matter: paths of many legs
-/// are proven tightest of points nearby. Proves nothing.
+/// About the place of the implant at the end of its path; the relevant points of the bone lie near it. For paths of
+/// many legs the bounds are tightest for points near this one. Proves nothing.
 [[nodiscard]] Point seat_of(const Model& implant, std::span<const Pose> path);
 
-/// Where a point of the bone is at a time, as the resting implant sees it.
+/// The place of a point of the bone at a time, as the resting implant sees it.
 struct Moment {
   double time;
   PointBall place;
@@ -89,59 +90,62 @@ struct Moment {
 /// Precondition: 0 <= time <= path.last_time().
 [[nodiscard]] Moment moment_of(const RigidPath& path, const Point& c, double time);
 
-/// Where numbers overflow nothing is known.
+/// True unless numbers overflowed; then nothing is known.
 [[nodiscard]] bool is_finite(const PointBall& ball);
 
-/// How far the point may be, between two moments, from the straight way.
+/// A straight chord between two moments of a point's way, and a bound of the way's distance from it.
 struct Chord {
   Moment begin, end;
-  double bulge;  ///< rounded up; infinite where nothing is known
+  double bulge;  ///< rounded up; infinite if nothing is known
 };
 
 /// Precondition: moments of this point and path, the first no later than the second.
 [[nodiscard]] Chord chord_of(const RigidPath& path, const Point& c, const Moment& begin, const Moment& end);
 
-/// No point of the way is farther from the segment's point that divides it alike; infinite for what is not finite.
+/// No point of the way is farther than this from the segment's point that divides it alike; infinite for non-finite
+/// numbers.
 [[nodiscard]] double offset_of(const Chord& chord, const std::array<Point, 2>& segment);
 
-/// No distance on the part of the way is less than what is returned, which is no more than -infinity where its
-/// certificate proves nothing; `asked` is what is to be proven.
+/// A lower bound of all distances on the part of the way. If the certificate proves nothing, the result is -infinity.
+/// `asked` is the bound to be proven.
 [[nodiscard]] double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked);
 
-/// No signed distance of a point of the ball is more than what is returned, by a certificate of its centre; infinite
-/// where that proves nothing. `asked` is what is to be proven.
+/// An upper bound of the signed distances of all points of the ball, by a certificate of its centre. If the certificate
+/// proves nothing, the result is infinite. `asked` is the bound to be proven.
 [[nodiscard]] double upper_end(const Checker& implant, const PointBall& place, double asked,
                                const Certificate& certificate, const Hook& interrupted = {});
 
-// What a piece of a triangle on a part of the way, seen by the resting implant, says of all of its distances.
+// Bounds of all distances of a piece of a triangle on a part of the way, seen by the resting implant.
 
-/// A model's primitives. Precondition: a union of convex ones.
+/// The primitives of a model. Precondition: a union of convex primitives.
 [[nodiscard]] std::vector<PosedSuperquadric> solids_of(const Model& model);
 
 /// The ways of the piece's corners, all between the same times.
 struct WayPrism {
   std::array<Chord, 3> corners;
-  double off;  ///< how far the exact corners of the piece are from those whose ways these are, at most
+  double off;  ///< upper bound of the distance between the exact corners of the piece and the corners whose ways these
+               ///< are
 };
 
-/// Where the corners begin and where they end, each moved by the step, to nearest.
+/// The corners at the beginning and at the end, each moved by the step, rounded to nearest.
 struct MovedPrism {
   Triangle begin, end;
 };
 [[nodiscard]] MovedPrism moved(const WayPrism& prism, const Point& step);
 
-/// No point of the piece is farther, at any time of the part, from the convex hull of the moved corners; infinite for
-/// what is not finite.
+/// At any time of the part no point of the piece is farther than this from the convex hull of the moved corners;
+/// infinite for non-finite numbers.
 [[nodiscard]] double offset_of(const WayPrism& prism, const MovedPrism& hull);
 
-/// From the middle of a solid to that of the hull, in the solid's own frame: a normal that may separate the two.
+/// The vector from the middle of a solid to the middle of the hull, in the solid's own frame: a normal that may
+/// separate the two.
 [[nodiscard]] Proposal outward_normal(const PosedSuperquadric& solid, const MovedPrism& hull);
 
-/// No signed distance to the union of the solids in the cell is less; minus infinity where the certificate proves
-/// nothing.
+/// A lower bound of the signed distances to the union of the solids in the cell; minus infinity if the certificate
+/// proves nothing.
 [[nodiscard]] double lower_end(std::span<const PosedSuperquadric> solids, const WayPrism& prism, const MovedCell& cell);
 
-// What is proven of all of a triangle along the way by dividing it, and the way.
+// Bounds for a whole triangle along the way, by dividing both.
 
 /// A piece of a triangle on a part of the way.
 struct WayPiece {
@@ -150,18 +154,18 @@ struct WayPiece {
   int quarterings = 0;
 };
 
-/// Where one triangle's pieces are; poses are computed once for each time. Of one thread.
+/// The places of one triangle's pieces; each time's pose is computed once. For one thread only.
 class PiecesOnWay {
  public:
   /// `path` has to outlive this. Precondition: finite.
   PiecesOnWay(const RigidPath& path, const Triangle& whole);
 
   [[nodiscard]] WayPiece whole() const { return {whole_, 0.0, path_.last_time()}; }
-  /// How far corners of pieces are off.
+  /// Upper bound of the error of the pieces' corners.
   [[nodiscard]] double off() const { return off_; }
   /// Precondition: a piece of this triangle, times of the path.
   [[nodiscard]] WayPrism prism_of(const WayPiece& piece);
-  /// What the vertices say of it.
+  /// The lower bound that the vertices' bounds give for the piece.
   [[nodiscard]] double least_on(const WayPiece& piece, const std::array<double, 3>& at_vertices) const;
 
  private:
@@ -173,8 +177,8 @@ class PiecesOnWay {
   std::map<double, RigidPath::NearestPose> poses_;
 };
 
-/// No signed distance of a point of the triangle is less at any time, if none of its vertices is less than
-/// `at_vertices`; minus infinity where the proof is not of all of it.
+/// A lower bound of the signed distances of all points of the triangle at all times, if the signed distances of its
+/// vertices are at least `at_vertices`. Minus infinity if the proof does not cover the whole triangle.
 [[nodiscard]] double least_on(const RigidPath& path, std::span<const PosedSuperquadric> solids, const Triangle& whole,
                               const std::array<double, 3>& at_vertices, const WayTriangle& proof,
                               const Hook& interrupted = {});

@@ -56,8 +56,9 @@ Face<Float> closest_on_segment(const Vertices<Float>& vertices, std::uint8_t i, 
                 face<Float>(vertices, std::array{j}, std::array{Float(1)}));
 }
 
-/// The signed areas of the triangles that the origin's projection forms with the edges decide; an edge that the
-/// projection lies beyond is searched itself. In a triangle without area every sign is noise: all edges are searched.
+/// The signed areas of the triangles that the origin's projection forms with the edges decide. If the projection lies
+/// beyond an edge, that edge itself is searched. In a triangle without area every sign is noise: all edges are
+/// searched.
 template <class Float>
 Face<Float> closest_on_triangle(const Vertices<Float>& vertices, const std::array<std::uint8_t, 3>& index) {
   std::array<Coordinates<Float>, 3> edge;  // the edge opposite to each vertex
@@ -65,7 +66,8 @@ Face<Float> closest_on_triangle(const Vertices<Float>& vertices, const std::arra
   for (std::size_t i = 0; i < 3; ++i) edge[i] = difference(corner(i + 2), corner(i + 1));
   const auto normal = cross(edge[0], edge[1]);
   const Float squared_area = dot(normal, normal);
-  // How the share of vertex i in the origin's projection exceeds that in a point p of the triangle's plane.
+  // By how much the share of vertex i in the origin's projection exceeds its share in a point p of the triangle's
+  // plane.
   const auto excess = [&](std::size_t i, const Coordinates<Float>& p) {
     return dot(p, cross(edge[i], normal)) / squared_area;
   };
@@ -75,8 +77,9 @@ Face<Float> closest_on_triangle(const Vertices<Float>& vertices, const std::arra
     share[i] = excess(i, corner(i + 1));
     projection = along(projection, corner(i), share[i]);
   }
-  // One step of iterative refinement: in a sliver the shares are off by the rounding of the corners' coordinates over
-  // its angle; now by that of the projection's, which are small where precision is needed.
+  // One step of iterative refinement. In a sliver the error of the shares is the rounding of the corners' coordinates
+  // over the sliver's angle. After the step it is that of the projection's coordinates, which are small where precision
+  // is needed.
   for (std::size_t i = 0; i < 3; ++i) share[i] += excess(i, projection);
   constexpr Float epsilon = std::numeric_limits<Float>::epsilon();
   const bool flat = !(squared_area > epsilon * epsilon * dot(edge[0], edge[0]) * dot(edge[1], edge[1]));
@@ -94,9 +97,9 @@ bool vanishes(const Face<Float>& found, Float scale) {
   return found.squared_distance <= std::pow(16 * std::numeric_limits<Float>::epsilon() * scale, Float(2));
 }
 
-/// As the triangle, with signed volumes; a tetrahedron without volume is searched face by face. Rounding errors can
-/// give all four volumes of a flat one the same sign: the origin counts as inside only if the combination of the
-/// vertices says so too.
+/// Like the triangle, with signed volumes; a tetrahedron without volume is searched face by face. Rounding errors can
+/// give all four volumes of a flat tetrahedron the same sign. So the origin counts as inside only if the combination of
+/// the vertices agrees.
 template <class Float>
 Face<Float> closest_on_tetrahedron(const Vertices<Float>& vertices, Float scale) {
   static constexpr std::array<std::array<std::uint8_t, 3>, 4> kOpposite{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
@@ -105,7 +108,7 @@ Face<Float> closest_on_tetrahedron(const Vertices<Float>& vertices, Float scale)
     const auto& p = vertices[kOpposite[i][0]].difference;
     const auto normal =
         cross(difference(vertices[kOpposite[i][1]].difference, p), difference(vertices[kOpposite[i][2]].difference, p));
-    // How far the origin lies on the vertex's side of the face, the vertex itself being at 1.
+    // How far the origin lies on the vertex's side of the face; the vertex itself is at 1.
     share[i] = -dot(normal, p) / dot(normal, difference(vertices[i].difference, p));
   }
   const bool volume = std::ranges::all_of(share, [](Float s) { return std::isfinite(s); });
@@ -183,7 +186,7 @@ constexpr GjkTolerance<double> near_enough{.relative = 1e-6, .absolute = 0.0, .m
 NearestNormal::NearestNormal(const Superquadric& solid) : set_(solid), boundary_(solid), tapered_(is_tapered(solid)) {}
 
 NearestNormal::Found NearestNormal::operator()(const Vector& q) const {
-  // Boundary knows the octant of nonnegative coordinates, of a tapered solid the one below it, too.
+  // Boundary covers the octant of nonnegative coordinates; for a tapered solid it covers the octant below it, too.
   const Vector folded{std::fabs(q[0]), std::fabs(q[1]), tapered_ ? q[2] : std::fabs(q[2])};
   if (boundary_.gauge(folded) >= 1.0) return from_outside(q);
   auto [normal, length] = shortest_walk(boundary_, tapered_, folded, enough_walks);

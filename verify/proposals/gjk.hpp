@@ -14,10 +14,10 @@ namespace verisq::verify {
 
 // The Gilbert-Johnson-Keerthi algorithm: closest points of two convex sets given by support mappings alone.
 //
-// It proposes and proves nothing: directions and points go into certificates. The paper uses it through SOLID (§5.1);
-// this one finds the closest point of a simplex by signed volumes (Montanari, Petrinic, Barbieri 2017) and ends in
-// every case, because the distance must fall strictly from step to step. In binary64 it is accurate to rounding but
-// for sets that nearly touch or hardly overlap: there the simplices are slivers, and it stalls at up to 1e-8 of the
+// It proposes and proves nothing: its directions and points go into certificates. The paper uses GJK through SOLID
+// (§5.1). This one finds the closest point of a simplex by signed volumes (Montanari, Petrinic, Barbieri 2017). It ends
+// in every case, because the distance must fall strictly from step to step. In binary64 it is accurate to rounding but
+// for sets that nearly touch or hardly overlap. There the simplices are slivers, and it stalls at up to 1e-8 of the
 // size for a point, 1e-5 for two solids, some thousand times less in long double.
 
 /// `set(v)` is a point of a convex set where v·x is largest, for every v, zero included.
@@ -26,7 +26,7 @@ concept SupportMapping = requires(const Set& set, const Coordinates<Float>& v) {
   { set(v) } -> std::same_as<Coordinates<Float>>;
 };
 
-/// When to be content: |b - a| exceeds the distance by at most `relative` |b - a| + `absolute`. With both zero it works
+/// GJK stops when |b - a| exceeds the distance by at most `relative` |b - a| + `absolute`. With both zero it works
 /// until the rounding of Float stops it.
 template <class Float>
 struct GjkTolerance {
@@ -46,9 +46,9 @@ template <class Float>
 struct GjkResult {
   Coordinates<Float> on_a;        ///< the closest points found; a common point each, but for rounding, where `common`
   Coordinates<Float> on_b;        ///<
-  Coordinates<Float> separation;  ///< the direction from A to B with the best lower bound; not of any length, not zero
-  Float lower;                    ///< by `separation`, but for rounding; minus infinity if no direction was tried
-  Float upper;                    ///< |on_b - on_a|
+  Coordinates<Float> separation;  ///< the direction from A to B with the best lower bound; it has any length but zero
+  Float lower;  ///< the bound by `separation`, but for rounding; minus infinity if no direction was tried
+  Float upper;  ///< |on_b - on_a|
   GjkEnd end;
   int steps;  ///< calls of each support mapping
 };
@@ -69,10 +69,11 @@ class GjkSimplex {
 
   [[nodiscard]] bool contains(const Coordinates<Float>& difference) const;
 
-  /// Precondition: fewer than four vertices. Then drops the vertices that the point closest to the origin does without.
+  /// Adds a vertex, then drops the vertices that the point closest to the origin does not need. Precondition: fewer
+  /// than four vertices.
   void add(const GjkVertex<Float>& vertex);
 
-  /// Whether a tetrahedron is left: the origin lies in it.
+  /// Returns whether a tetrahedron is left: the origin lies in it.
   [[nodiscard]] bool full() const { return size_ == 4; }
   /// The point closest to the origin, and the points of A and B that it comes from.
   [[nodiscard]] GjkVertex<Float> closest() const;
@@ -142,14 +143,14 @@ template <class Float, SupportMapping<Float> SetA, SupportMapping<Float> SetB>
 
 // The best of some normals that may separate two convex sets, in plain floating point. Proposes, proves nothing.
 
-/// Of those that are offered the one along which B lies farthest beyond A.
+/// Of all offered normals keeps the one along which B lies farthest beyond A.
 template <SupportMapping<double> SetA, SupportMapping<double> SetB>
 class BestNormal {
  public:
   /// Both have to outlive this.
   BestNormal(const SetA& a, const SetB& b) : a_(a), b_(b) {}
 
-  /// Of any length. One along which numbers overflow is none.
+  /// Offers a normal of any length. A normal along which numbers overflow is ignored.
   void offer(const Coordinates<double>& n) {
     const double gap = (dot(n, b_({-n[0], -n[1], -n[2]})) - dot(n, a_(n))) / std::sqrt(dot(n, n));
     if (!(gap > gap_)) return;
@@ -157,7 +158,7 @@ class BestNormal {
     gap_ = gap;
   }
 
-  /// That of a triangle, and its opposite.
+  /// Offers the normal of a triangle, and its opposite.
   void offer_normals_of(const std::array<Coordinates<double>, 3>& corners) {
     const Coordinates<double> n = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
     offer(n);
@@ -188,8 +189,8 @@ class NearestNormal {
     double distance;             ///< signed, about
   };
 
-  /// In the solid's own frame, whose origin is its focus. Outside by GJK, inside by the shortest walk that
-  /// is found.
+  /// q is in the solid's own frame, whose origin is its focus. The search is by GJK for points outside, by the shortest
+  /// walk found for points inside.
   [[nodiscard]] Found operator()(const Coordinates<double>& q) const;
 
  private:

@@ -25,7 +25,7 @@ struct LinearSystem {
   std::array<std::array<double, 6>, 5> rows{};
   std::size_t size;
 
-  /// By Gauss, in plain floating point. Not finite where there is none.
+  /// The solution by Gauss's method, in plain floating point. It is not finite if there is none.
   [[nodiscard]] std::array<double, 5> solution() {
     for (std::size_t i = 0; i < size; ++i) {
       for (std::size_t j = i + 1; j < size; ++j) {
@@ -42,9 +42,10 @@ struct LinearSystem {
   }
 };
 
-/// The pairs of a point of the half-spaces and one of the hull that are nearest to each other, as far as at most three
-/// half-spaces and one of the hull's corners, edges or its face decide: a quadratic program this small is solved by
-/// trying them all, where ascent in one multiplier at a time hardly moves between nearly parallel planes.
+/// Pairs of a point of the half-spaces and a point of the hull that are nearest to each other. Only pairs are tried
+/// that at most three half-spaces and one of the hull's corners, its edges or its face determine. A quadratic program
+/// this small is solved by trying all of them; ascent in one multiplier at a time hardly moves between nearly parallel
+/// planes.
 class MultipliersOfCorners {
  public:
   MultipliersOfCorners(std::span<const Vector> corners, std::span<const proposed::HalfSpace> half_spaces)
@@ -60,7 +61,7 @@ class MultipliersOfCorners {
     return result;
   }
 
-  /// What they exceed.
+  /// The least of 2 N·c - |N|² - 2 Σ m offset over the corners c.
   [[nodiscard]] double dual(const std::vector<double>& m) const { return least_over_corners(normal_of(m)); }
 
   struct Normal {
@@ -78,7 +79,7 @@ class MultipliersOfCorners {
     return result;
   }
 
-  /// Nothing where none are found.
+  /// Nothing if no multipliers are found.
   [[nodiscard]] std::optional<std::vector<double>> operator()(double value) const {
     for (unsigned corners = 1; corners < 1U << corners_.size(); ++corners) {
       for (std::size_t i = 0; i < half_spaces_.size(); ++i) {
@@ -91,7 +92,7 @@ class MultipliersOfCorners {
  private:
   using Indices = std::span<const std::size_t>;
 
-  /// Of half-space i and at most two later ones.
+  /// Multipliers of half-space i and at most two later ones.
   [[nodiscard]] std::optional<std::vector<double>> from(std::size_t i, unsigned corners, double value) const {
     for (std::size_t j = i; j < half_spaces_.size(); ++j) {
       for (std::size_t k = j == i ? i : j + 1; k < half_spaces_.size(); ++k) {
@@ -104,7 +105,7 @@ class MultipliersOfCorners {
     return std::nullopt;
   }
 
-  /// Of the pair e in all these cuts, t in the hull of these corners, which N = t - e is normal to.
+  /// The system of the pair e in all these cuts and t in the hull of these corners; N = t - e is normal to both.
   [[nodiscard]] std::array<double, 5> of(unsigned corners, Indices cuts) const {
     const auto first = static_cast<std::size_t>(std::countr_zero(corners));
     LinearSystem system{{}, cuts.size()};
@@ -125,7 +126,7 @@ class MultipliersOfCorners {
     return system.solution();
   }
 
-  /// Minus infinity for what is no proposal.
+  /// Minus infinity for an unusable proposal.
   [[nodiscard]] double dual(Indices cuts, const std::array<double, 5>& m) const {
     Vector sum{};
     double rest = 0.0;
@@ -160,8 +161,8 @@ std::optional<std::vector<double>> proposed::multipliers(std::span<const Vector>
   return MultipliersOfCorners(corners, half_spaces)(value);
 }
 
-// Gilbert's algorithm: a point p of the body, N from the nearest point of the half-spaces to p; where the body reaches
-// farther against N, p goes there as far as it comes nearer.
+// Gilbert's algorithm: p is a point of the body, N leads from the nearest point of the half-spaces to p. If the body
+// reaches farther against N, p moves there as long as it comes nearer.
 std::optional<std::vector<double>> proposed::multipliers(const FarthestPoint& body, const Vector& inside,
                                                          std::span<const HalfSpace> half_spaces, double value) {
   constexpr int most_steps = 256;  // flat bodies take hundreds, others a few
@@ -205,8 +206,8 @@ InnerWalk first_walk(const Boundary<double>& boundary, bool is_tapered, const Ve
 
 }  // namespace
 
-// A plane through x with normal n(x) supports the solid: the walk from q along n(x) ends no later than at that plane,
-// which is no farther from q than x.
+// A plane through x with normal n(x) supports the solid. So the walk from q along n(x) ends no later than at that
+// plane, which is no farther from q than x.
 InnerWalk shortest_walk(const Boundary<double>& boundary, bool is_tapered, const Vector& q,
                         const InnerWalkLimits& limits) {
   InnerWalk walk = first_walk(boundary, is_tapered, q);
@@ -262,7 +263,7 @@ constexpr int kMostPivots = 64;
 constexpr double kNegligible = 1e-11;
 
 /// min Σ λ c + Σ half (u + v) where u - v - Σ λ a = objective, all >= 0, directions scaled so that half is 1. A slack
-/// of each row is the first basis.
+/// of each row forms the first basis.
 class Tableau {
  public:
   Tableau(const PoseParameters& objective, const PoseParameters& half, std::span<const LinearConstraint> constraints)
@@ -331,7 +332,7 @@ class Tableau {
 
   std::size_t count_;
   std::size_t columns_;
-  std::vector<double> cells_;  ///< of the rows, then reduced costs
+  std::vector<double> cells_;  ///< the rows, then the reduced costs
   std::array<double, kRows> right_{};
   std::array<std::size_t, kRows> basis_{};
 };

@@ -49,12 +49,13 @@ struct InnerWalkLimits {
   int most_walks;
 };
 
-/// By walks along the normal of the surface where the last one ended, which never lengthens the way and stops at a
-/// locally shortest one. `q` lies where Boundary knows the solid; of a tapered one walks go down, too.
+/// Each step walks along the surface normal at the point where the last walk ended. This never lengthens the way, and
+/// it stops at a locally shortest one. `q` lies where Boundary covers the solid; for a tapered solid walks go down,
+/// too.
 [[nodiscard]] InnerWalk shortest_walk(const Boundary<double>& boundary, bool is_tapered, const Coordinates<double>& q,
                                       const InnerWalkLimits& limits);
 
-// Small linear programs over boxes: what linear constraints leave of the largest value of a linear function.
+// Small linear programs over boxes: the largest value of a linear function under linear constraints.
 
 using PoseParameters = Eigen::Matrix<double, 6, 1>;  ///< a translation, then a rotation vector
 
@@ -65,11 +66,11 @@ struct LinearConstraint {
   double tightness = 0.0;  ///< constant by the range of slope·δ: the smaller, the more of the box is excluded
 };
 
-/// Multipliers λ >= 0, one a constraint, which make
+/// Multipliers λ >= 0, one for each constraint, which make
 ///     Σ λ c + Σ_k half_k |objective_k + Σ λ a_k|
-/// small: by weak duality no δ of the box |δ| <= half that keeps the constraints has more objective·δ than that,
-/// whatever λ is. Where `ray` is true the same with objective 0 is negative: there is no such δ. Found by the simplex
-/// method in floating point: whoever uses them evaluates them.
+/// small. By weak duality no δ of the box |δ| <= half that keeps the constraints has a larger objective·δ, whatever λ
+/// is. If `ray` is true, the same sum with objective 0 is negative: then no such δ exists. They are found by the
+/// simplex method in floating point; users evaluate them in intervals.
 struct Multipliers {
   std::vector<double> values;
   bool ray = false;

@@ -70,8 +70,8 @@ typename Boundary<Float>::Vector Boundary<Float>::normal(const Vector& x) const 
 
 template <class Float>
 Float Boundary<Float>::exit(const Vector& q, const Vector& w, Float level) const {
-  // g is convex along the ray, and g(q + s w) >= s g(w) in the octant, >= s g(w) - g(-q) anywhere: Newton descends
-  // monotonically from this start.
+  // g is convex along the ray. In the octant g(q + s w) >= s g(w), anywhere g(q + s w) >= s g(w) - g(-q): Newton's
+  // method descends monotonically from this start.
   constexpr Float finest_step = 5 * std::numeric_limits<Float>::epsilon();
   const Float before = k_ == 0 ? 0 : gauge({q[0], q[1], -q[2]});
   Float s = (level + before) / gauge(w);
@@ -95,7 +95,7 @@ namespace {
 template <class Float>
 struct DualNorm {
   Float value;
-  std::array<Float, 2> support;  ///< cos^e φ and sin^e φ: where on the unit ball the norm is attained
+  std::array<Float, 2> support;  ///< cos^e φ and sin^e φ: the point of the unit ball at which the norm is attained
 };
 
 template <class Float>
@@ -103,7 +103,7 @@ Float dual_exponent_of(Float e) {
   return e == 2 ? std::numeric_limits<Float>::infinity() : 2 / (2 - e);
 }
 
-/// For nonnegative x, y; both shares 0 for x = y = 0.
+/// For nonnegative x, y; both shares are 0 for x = y = 0.
 template <class Float>
 DualNorm<Float> dual_norm(Float x, Float y, Float e) {
   const Float large = std::max(x, y);
@@ -139,8 +139,8 @@ Coordinates<Float> SuperquadricSet<Float>::operator()(const Coordinates<Float>& 
   return k_ == 0 ? untapered(v) : tapered(v);
 }
 
-// At the root τ of ‖(r, a3 v_z + k τ)‖ = τ N's support point u along v + (0, 0, k τ / a3), made longer or shorter until
-// it lies on the surface.
+// At the root τ of ‖(r, a3 v_z + k τ)‖ = τ: N's support point u along v + (0, 0, k τ / a3), made longer or shorter
+// until it lies on the surface.
 template <class Float>
 Coordinates<Float> SuperquadricSet<Float>::tapered(const Coordinates<Float>& v) const {
   const Float section =
@@ -267,7 +267,7 @@ SectionMapping::Plain SectionMapping::turned_back(const Plain& v) const {
   return {v[0] * cosine_ - v[1] * sine_, v[0] * sine_ + v[1] * cosine_, v[2]};
 }
 
-/// In the frame of the bend.
+/// The bent point, in the frame of the bend.
 SectionMapping::Plain SectionMapping::bent(const Plain& unbent) const {
   const double angle = curvature_ * unbent[2];
   return {unbent[0] * std::cos(angle) + unbent[2] * std::sin(angle / 2) * sine_quotient_of(angle / 2), unbent[1],
@@ -292,7 +292,7 @@ SectionMapping::Plain SectionMapping::bent_normal(const Plain& normal, const Pla
                       along_axis * std::cos(angle) - n[0] * std::sin(angle)});
 }
 
-/// Of the unbent solid towards (c, across, slope), in the frame of the bend.
+/// The farthest point of the unbent solid towards (c, across, slope), in the frame of the bend.
 SectionMapping::Plain SectionMapping::farthest(double c, double across, double slope) const {
   Plain x = turned(unbent_(turned_back({c, across, slope})));
   x[2] -= taper_ * superquadric_.semi_axes[2];
@@ -306,7 +306,8 @@ SectionMapping::Plain SectionMapping::farthest_at(double height, double c, doubl
   return {scale * x[0], scale * x[1], height};
 }
 
-/// How large the section at a height is, for one of the solid without a taper's middle (docs/mathematics.md §18).
+/// The scale of the section at a height, relative to the middle section of the solid without its taper
+/// (docs/mathematics.md §18).
 double SectionMapping::scale_at(double height) const {
   const double z = std::clamp(height / superquadric_.semi_axes[2], -1.0, 1.0);
   const double s = 1.0 + taper_ * z;

@@ -1,4 +1,4 @@
-/// Where a solid's surface is, and its point farthest in a direction, in floating point.
+/// The surface of a solid and its farthest point in a direction, in floating point.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,7 @@ template <class Float>
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Of the segment a b.
+/// The point of the segment a b that is closest to the origin.
 template <class Float>
 [[nodiscard]] Coordinates<Float> closest_to_origin(const Coordinates<Float>& a, const Coordinates<Float>& b) {
   const auto edge = difference(b, a);
@@ -42,7 +42,7 @@ template <class Float>
   return squared > 0 ? along(a, edge, std::clamp<Float>(-dot(a, edge) / squared, 0, 1)) : a;
 }
 
-/// Of the triangle a b c, which may be degenerate.
+/// The point of the triangle a b c, which may be degenerate, that is closest to the origin.
 template <class Float>
 [[nodiscard]] Coordinates<Float> closest_to_origin(const Coordinates<Float>& a, const Coordinates<Float>& b,
                                                    const Coordinates<Float>& c) {
@@ -64,8 +64,8 @@ template <class Float>
 // The surface of a superquadric in plain floating point: where rays leave it and its normals. Proposes, proves
 // nothing.
 
-/// All points and directions lie in the octant of nonnegative coordinates, in the solid's own frame; of a tapered solid
-/// also below it, with z < 0. Float is double or long double.
+/// All points and directions lie in the octant of nonnegative coordinates, in the solid's own frame; for a tapered
+/// solid z may be negative, too. Float is double or long double.
 template <class Float>
 class Boundary {
  public:
@@ -89,13 +89,13 @@ class Boundary {
 
   Vector semi_axes_;
   Float p1_, p2_;
-  Float k_, fall_;  ///< of the taper: 0 and 1 without
+  Float k_, fall_;  ///< numbers of the taper: 0 and 1 without one
 };
 
 extern template class Boundary<double>;
 extern template class Boundary<long double>;
 
-// Support mappings of convex sets in plain floating point: what GJK sees of a set.
+// Support mappings of convex sets in plain floating point: the only description of a set that GJK needs.
 
 /// A single point.
 template <class Float>
@@ -121,14 +121,14 @@ struct TriangleSet {
 /// X = a1 |v1|, Y = a2 |v2| and q = 2/(2 - e2) Eq. (14) says tan^2 ω = (Y/X)^q, so that
 ///     cos^2 ω = X^q / (X^q + Y^q),   x = a1 (cos^2 η)^(e1/2) (cos^2 ω)^(e2/2),
 /// and alike for η with the norm r = ‖(X, Y)‖_q and Z = a3 |v3| (docs/mathematics.md §1: the gradient of the support
-/// function). With a taper its own frame has the focus as origin, and v is moved by the root of the support function
+/// function). With a taper the origin of its own frame is the focus, and v is moved by the root of the support function
 /// (docs/mathematics.md §18).
 template <class Float>
 class SuperquadricSet {
  public:
   explicit SuperquadricSet(const Superquadric& superquadric);
 
-  /// The origin for v = 0. Where the farthest points form a face (e = 2 and equal terms) one of them.
+  /// For v = 0 the result is the origin. If the farthest points form a face (e = 2 and equal terms), it is one of them.
   [[nodiscard]] Coordinates<Float> operator()(const Coordinates<Float>& v) const;
 
  private:
@@ -148,7 +148,7 @@ template <class Float>
 class ApproximateMotion {
  public:
   explicit ApproximateMotion(const Pose& pose);
-  /// Of the primitive's own frame, whose origin is its focus.
+  /// The motion from the primitive's own frame, whose origin is its focus.
   [[nodiscard]] static ApproximateMotion of_own_frame(const Primitive& primitive);
 
   [[nodiscard]] Coordinates<Float> point(const Coordinates<Float>& x) const;              ///< R x + t
@@ -186,19 +186,19 @@ template <class Float>
   return {SuperquadricSet<Float>(primitive.superquadric), ApproximateMotion<Float>::of_own_frame(primitive)};
 }
 
-// Where a section of a primitive across its axis, bent or not, reaches farthest, in plain floating point. Proposes,
-// proves nothing (docs/mathematics.md §9).
+// The farthest points of a primitive's section across its axis, bent or not, in plain floating point. Proposes, proves
+// nothing (docs/mathematics.md §9).
 
-/// Everything in the primitive's own frame, with its centre as origin. Immutable.
+/// All points are in the primitive's own frame, with its centre as origin. Immutable.
 class SectionMapping {
  public:
   explicit SectionMapping(const Primitive& primitive);
 
-  /// What the bend makes of the axis at a height z: it turns by kz.
+  /// The bend's effect on the axis at a height z: the axis turns by kz.
   struct End {
     double height;
     double cosine, sine;  ///< of kz
-    double along, up;     ///< R and Z of the axis' point
+    double along, up;     ///< R and Z of the axis point
   };
 
   /// Heights, before the bend, between which a section lies.
@@ -237,7 +237,7 @@ class SectionMapping {
   Superquadric superquadric_;
   bool is_bent_;
   double curvature_ = 0.0;
-  double cosine_ = 1.0, sine_ = 0.0;  ///< of the bend's direction
+  double cosine_ = 1.0, sine_ = 0.0;  ///< cosine and sine of the bend's direction
   double taper_;                      ///< k of docs/mathematics.md §18
   SuperquadricSet<double> unbent_;
   SuperquadricSet<double> untapered_;

@@ -53,8 +53,8 @@ class ConvexProblem {
     return {turned_back(x.point), turned_back(towards(x))};
   }
 
-  /// Newton's method on ∇f = λ ∇g, g = 1 from there, in long double: digits that the steps above leave out. The same
-  /// candidate where that leads away.
+  /// Newton's method on ∇f = λ ∇g, g = 1 from `start`, in long double: it adds digits that the steps above lack.
+  /// Returns `start` if it leads away.
   [[nodiscard]] BentDistance::Candidate refined(const BentDistance::Candidate& start) const {
     constexpr int steps = 4;
     const auto gauge = NormFunction<long double>::gauge(solid_);
@@ -96,7 +96,7 @@ class ConvexProblem {
     return result;
   }
 
-  /// Half that of f, in the primitive's own frame. With r_q, z_q of the query: no cancellation for small k.
+  /// Half the gradient of f, in the primitive's own frame. With r_q, z_q of the query: no cancellation for small k.
   [[nodiscard]] Vector gradient(const Vector& x) const {
     const Vector t = turn() * x;
     const auto& [r, s, z] = unbent_query_;
@@ -133,8 +133,8 @@ class ConvexProblem {
     return {x[0] * std::cos(angle) + sagitta, x[1], (1 - k_ * x[0]) * x[2] * sine_quotient_of(angle)};
   }
 
-  /// The minimiser over K of a quadratic model of f that touches it in x and, by its diagonal Hessian, lies above it
-  /// nearby. Half the Hessian of f is
+  /// The minimiser over K of a quadratic model of f. The model touches f in x and, by its diagonal Hessian, lies above
+  /// it nearby. Half the Hessian of f is
   ///     1          0   -W_q sin δ
   ///     0          1    0
   ///    -W_q sin δ  0    W W_q cos δ
@@ -152,7 +152,7 @@ class ConvexProblem {
     const long double rise = k_ * query_[2];
     const long double along = m * c + rise * n;
     const long double across = m * n - rise * c;
-    // Where f is not convex, some positive number does.
+    // If f is not convex, some positive number serves.
     const long double metric = std::max({w * along, 0.25L * w * std::hypot(along, across), 1e-6L});
     const long double step = 1 / (1 + std::fabs(across) / std::sqrt(metric));
     return nearest_in_solid({x[0] - step * gradient[0], x[1] - step * gradient[1], x[2] - step * gradient[2] / metric},
@@ -194,7 +194,7 @@ class ConvexProblem {
 // Newton's method makes up for a rough start, as a rule.
 constexpr long double rough_precision = 0x1p-12L;
 
-/// As far as binary64 tells of a distance to a solid of that size.
+/// Returns whether the width is at the limit of binary64 for a distance to a solid of that size.
 bool is_tight(const Enclosure& distance, double size) {
   return distance.width() <= 1e-14 * distance.hi + 1e-16 * size;
 }
@@ -272,7 +272,7 @@ Proposal BentDistance::way(const Point& from, const Point& x) const {
   return midpoint(PreciseVector(motion_.local_point(x) - motion_.local_point(from)));
 }
 
-/// Of the candidate's point, moved into K where it may lie outside.
+/// The image of the candidate's point, moved into K if it may lie outside.
 PreciseVector BentDistance::image_of(const Candidate& candidate) const {
   return map_.bent(in_solid(is_finite(candidate.point) ? candidate.point : Proposal{}));
 }
@@ -321,7 +321,7 @@ std::optional<ClosestSurfacePoint> BentDistance::closest_in(const Query& q,
                              of_all && of_all->margin > Real(0)};
 }
 
-/// Nothing where q is not proven to lie outside, or its nearest points not to lie beside x0.
+/// Nothing if q is not proven to lie outside, or its nearest points are not proven to lie beside x0.
 std::optional<BentDistance::Neighbourhood> BentDistance::neighbourhood(const Query& q,
                                                                        const Candidate& candidate) const {
   const Real upper = length<Real>(PreciseVector(image_of(candidate) - q.bent)).upper();
@@ -345,8 +345,8 @@ PreciseVector BentDistance::in_solid(const Proposal& point) const {
   return gauge.upper() > Real(1) ? PreciseVector(focus_ + from_focus / gauge) : x;
 }
 
-/// With p - q along `direction` and as long as `upper`, which is a proven bound of d(q, β(K)). Nothing where f is not
-/// proven to lie above it.
+/// The tangent plane with p - q along `direction` and as long as `upper`, which is a proven bound of d(q, β(K)).
+/// Nothing if f is not proven to lie above it.
 std::optional<BentDistance::TangentPlane> BentDistance::tangent_plane(const Query& q, const Real& upper,
                                                                       const Proposal& direction) const {
   if (!usable(direction)) return std::nullopt;
@@ -363,10 +363,10 @@ std::optional<BentDistance::TangentPlane> BentDistance::tangent_plane(const Quer
   return TangentPlane{x0, sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower()};
 }
 
-/// An upper bound of |x - x0| in every coordinate for all x of K whose image is as near as `upper`, of which the
-/// nearest are some (docs/mathematics.md §25): by η = U² - lo², of which f leaves no more to rise above the plane,
+/// An upper bound of |x - x0| in every coordinate for all x of K whose image is as near as `upper`; the nearest are
+/// among them (docs/mathematics.md §25). f rises above the plane by no more than η = U² - lo² at these x, so that
 ///     |s - s0| <= √η,   |z - z0| sin(δ/2)/(δ/2) <= √(η/(W_q C)),   |r - r0| <= √η + W_q |z - z0|.
-/// Nothing where the margin C is 0, or the turn too large.
+/// Nothing if the margin C is 0, or the turn too large.
 std::optional<Real> BentDistance::reach(const Query& q, const TangentPlane& plane, const Real& upper) const {
   const std::optional<PosedBent::Rise> above = proof_.rise(q.unbent, plane.x0, upper);
   if (!above || !(above->margin > Real(0))) return std::nullopt;

@@ -1,4 +1,4 @@
-/// Affine enclosures of a primitive's own coordinates over cubes, and what the convex gauge proves with them.
+/// Affine enclosures of a primitive's own coordinates over cubes, and the bounds that the convex gauge proves by them.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -15,8 +15,8 @@
 namespace verisq::verify {
 
 // Nothing below throws: no interval here has +infinity as its lower or -infinity as its upper end. The input is finite,
-// rounding down never overflows to +infinity nor up to -infinity, and then sums, products, roots and quotients by what
-// does not contain 0 have the same property and never are NaN.
+// and rounding down never overflows to +infinity, nor rounding up to -infinity. Then sums, products, roots and
+// quotients by intervals without 0 have the same property and never are NaN.
 
 namespace {
 
@@ -52,8 +52,8 @@ class OwnFrame {
             BasicInterval<T>(T(x[2])) - translation_[2]};
   }
 
-  /// Unbent coordinates, about the focus, of a box in the bent frame, without a taper but for the sign of z: it is lost
-  /// at the cut, and the gauge does not depend on it.
+  /// Unbent coordinates, about the focus, of a box in the bent frame. Without a taper the sign of z is lost at the cut,
+  /// and the gauge does not depend on it.
   [[nodiscard]] Vector3<T> unbent(const Vector3<T>& bent) const {
     if (!bend_) return about_focus(bent);
     return from_focus_ ? about_focus(bend_->unbent(bent)) : bend_->unbent_up_to_sign(bent);
@@ -68,12 +68,12 @@ class OwnFrame {
   Matrix3<T> rotation_;
   Vector3<T> translation_;
   std::optional<BendMap<T>> bend_;
-  std::optional<BasicInterval<T>> from_focus_;  ///< to the centre, along z: where there is a taper
+  std::optional<BasicInterval<T>> from_focus_;  ///< vector to the centre, along z, if there is a taper
 };
 
-/// Of a ball about the centre that contains the primitive, which reaches as far along x and y as its support function
-/// says. A bend keeps the length of the axis and the distances from it, so that it leaves the ball of radius a3 + |(a1,
-/// a2)|.
+/// The radius of a ball about the centre that contains the primitive. The ball reaches as far along x and y as the
+/// support function gives. A bend keeps the length of the axis and the distances from it, so that the solid stays in
+/// the ball of radius a3 + |(a1, a2)|.
 double bounding_radius(const Primitive& primitive) {
   const SuperquadricBounds<double> bounds(primitive.superquadric);
   const Interval across =
@@ -157,8 +157,8 @@ HalfSpace pulled_back(const AffineMap& map, const Point& direction, double bound
 }
 
 /// The least of a tapered solid's gauge over boxes of any size. With r the norm of the section, (1 - k²) g = f(z) =
-/// N(r, z) - k z/a3, which is convex and nowhere less than (1 - |k|^q)^(1/q) r, as Hölder's inequality for the
-/// conjugate exponent q says.
+/// N(r, z) - k z/a3, which is convex. It is nowhere less than (1 - |k|^q)^(1/q) r, by Hölder's inequality for the
+/// conjugate exponent q.
 class TaperedGauge {
  public:
   explicit TaperedGauge(const Superquadric& solid) {
@@ -181,7 +181,7 @@ class TaperedGauge {
     const double least = std::max(thin, (section * least_ / bounds.taper().fall).lower());
     const double turn = section.lower() * turn_;
     if (turn >= lo && turn <= hi) return least;
-    // Where f at a height beyond the nearer end is not more than at that end, f does not fall from there on.
+    // If f at a height beyond the nearer end is not more than at that end, f does not fall from there on.
     const double end = turn < lo ? lo : hi;
     const auto at = [&](double z) { return bounds.gauge({abs(box[0]).lower(), abs(box[1]).lower(), z}); };
     const double at_end = at(end).lower();
@@ -193,7 +193,7 @@ class TaperedGauge {
   double turn_ = 0.0;  ///< height where f is least, of the section of norm 1
 };
 
-/// Whether no |e|_inf <= h lies in the half-space.
+/// Returns whether no |e|_inf <= h lies in the half-space.
 bool misses_cube(const HalfSpace& half_space, double half_width) {
   const auto& n = half_space.normal;
   const Interval reach = Interval(sum_of_magnitudes(Interval(n[0]), Interval(n[1]), Interval(n[2])));
@@ -285,7 +285,7 @@ Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
   return hopeful && bounds.norm(farthest, Direction::up) < 1.0 ? Colour::black : Colour::gray;
 }
 
-/// For points whose colour the rounding errors of binary64 hide.
+/// For points whose colour binary64 cannot prove because of its rounding errors.
 Colour BoxPrimitive::State::precise_colour(const Point& x) const {
   const PreciseVector own = precise_own_frame.rotation() * precise_own_frame.from_centre(x);
   const PreciseInterval gauge = precise_bounds.gauge(precise_own_frame.unbent(own));
@@ -343,8 +343,8 @@ HalfSpace BoxPrimitive::State::outside(const AffineMap& map, double half_width) 
   return pulled_back(map, {-(*w)[0], -(*w)[1], -(*w)[2]}, bound, half_width);
 }
 
-/// Whether the half-space of the gradient, whose support is 1 but for rounding, proves that no point of the cube lies
-/// in K. Its powers are spent where it is about to.
+/// Returns whether the half-space of the gradient, whose support is 1 but for rounding, proves that no point of the
+/// cube lies in K. Its powers are only computed if the proof is about to succeed.
 bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_width) const {
   const Point centre = midpoint(map.centre);
   if (!(boundary.gauge({std::fabs(centre[0]), std::fabs(centre[1]), centre[2]}) > 1.0)) return false;

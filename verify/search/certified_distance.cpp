@@ -80,7 +80,7 @@ Interval share(double x, double y, const Interval& e) {
   return Interval(1) / (Interval(1) + pow(Interval(y) / Interval(x), q));
 }
 
-/// The same over a box: rises with x, falls with y.
+/// The share over a box: it rises with x and falls with y.
 Interval share(const Interval& x, const Interval& y, const Interval& e) {
   return {share(x.lower(), y.upper(), e).lower(), share(x.upper(), y.lower(), e).upper()};
 }
@@ -142,7 +142,7 @@ std::optional<Vector3<double>> BisectedEnclosure::surface_point(const Coordinate
 
 /// With X = x/a1, ..., S = |X|^p2 + |Y|^p2 and p_i = 2/e_i the gradient of F = S^(p1/p2) + |Z|^p1, divided by p1, is
 ///     ( S^((e2-e1)/e1) X^(p2-1) / a1,  S^((e2-e1)/e1) Y^(p2-1) / a2,  Z^(p1-1) / a3 ).
-/// Where F has an edge or a vertex (p = 1, or S = 0) a coordinate X of the point is 0, and the box holds 0 or an end
+/// If F has an edge or a vertex (p = 1, or S = 0), a coordinate X of the point is 0, and the box contains 0 or an end
 /// of the interval of slopes in its place: a subgradient.
 Vector3<double> BisectedEnclosure::normal(const Vector3<double>& x) const {
   const Vector3<double> scaled(x[0] / semi_axes_[0], x[1] / semi_axes_[1], x[2] / semi_axes_[2]);
@@ -150,7 +150,7 @@ Vector3<double> BisectedEnclosure::normal(const Vector3<double>& x) const {
   const Interval k2 = (Interval(2) - e2_) / e2_;
   const Interval k1 = (Interval(2) - e1_) / e1_;
   const Interval section = pow(abs(scaled[0]), p2) + pow(abs(scaled[1]), p2);
-  // At S = 0 alone X = Y = 0, where S^(p1/p2) is least.
+  // At S = 0 only X = Y = 0 is possible, where S^(p1/p2) is least.
   const Interval outer = section.upper() == 0.0 ? Interval(0) : pow(section, (e2_ - e1_) / e1_);
   return {outer * signed_power(scaled[0], k2) / semi_axes_[0], outer * signed_power(scaled[1], k2) / semi_axes_[1],
           signed_power(scaled[2], k1) / semi_axes_[2]};
@@ -218,7 +218,7 @@ GjkResult<double> closest(const Primitive& solid, const Coordinates<double>& loc
   return gjk<double>(SuperquadricSet<double>(solid.superquadric), PointSet<double>{local}, local, stop_at(accuracy));
 }
 
-/// In the frame of `a`, turned back to the model's axes: translations in common cost no digits.
+/// The closest points in the frame of `a`, turned back to the model's axes: translations in common cost no digits.
 GjkResult<double> closest(const Primitive& a, const Primitive& b, double accuracy) {
   Primitive first = a;
   Primitive second = b;
@@ -227,8 +227,8 @@ GjkResult<double> closest(const Primitive& a, const Primitive& b, double accurac
   return gjk<double>(posed_set<double>(first), posed_set<double>(second), second.pose.translation, stop_at(accuracy));
 }
 
-/// The surface near p, first along d as the paper has it; where that line misses the solid (touching, where d is
-/// rounding error) along the ray from the centre, which cannot.
+/// The surface near p, first along d as in the paper. If that line misses the solid (touching, where d is rounding
+/// error), the search runs along the ray from the centre, which cannot miss it.
 Vector3<double> surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p,
                              const Coordinates<double>& d) {
   if (const auto box = solid.surface_point(p, d)) return *box;

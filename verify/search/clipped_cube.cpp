@@ -21,7 +21,8 @@ double height(const Point& x, const Point& normal, double offset) {
   return normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2] - offset;
 }
 
-/// Where the edge from a to b meets the plane. Precondition: one of the heights is positive, the other is not.
+/// The point where the edge from a to b meets the plane. Precondition: one of the heights is positive, the other is
+/// not.
 Point crossing(const Point& a, double height_a, const Point& b, double height_b) {
   const double share = height_a / (height_a - height_b);
   Point x;
@@ -46,7 +47,7 @@ CuttingPlane scaled(const CuttingPlane& plane) {
   return {near_one(plane.normal), std::ldexp(plane.offset, down), error};
 }
 
-/// Of a prism between the triangles p and q.
+/// Adds the tetrahedra of a prism between the triangles p and q.
 void add_prism(std::vector<std::array<Point, 4>>& tetrahedra, const std::array<Point, 3>& p,
                const std::array<Point, 3>& q) {
   tetrahedra.push_back({p[0], p[1], p[2], q[2]});
@@ -68,7 +69,7 @@ double reach_up(const Point& normal, double half_width) {
 }
 
 ClippedCube::ClippedCube(double half_width) : half_width_(half_width) {
-  // From the corner (-1, -1, -1) to (1, 1, 1) along the axes, in each of their orders.
+  // Tetrahedra from the corner (-1, -1, -1) to (1, 1, 1) along the axes, in each order of the axes.
   std::array<std::size_t, 3> order{0, 1, 2};
   do {
     Tetrahedron& corners = tetrahedra_.emplace_back();
@@ -137,17 +138,17 @@ Vector normal_of(const Triangle& triangle) {
   return cross(way(triangle[0], triangle[1]), way(triangle[0], triangle[2]));
 }
 
-/// From the cube's centre.
+/// The range of normal·(x - from) for x in the cube.
 Interval range(const Vector& normal, const Cube& cube, const Point& from) {
   const Interval about(-cube.half_width, cube.half_width);
   return normal.dot(way(from, cube.centre) + Vector(about, about, about));
 }
 
-// The separating axis theorem, in floating point. With D the largest coordinate of a corner from the centre, rounded by
-// u = 2^-53 of itself, and h the half-width: along an axis of the cube errors are below 2 u D; along an edge's product
-// with one, projections of at most 4 D² + 4 D h are rounded by less than 32 u (D² + D h); along the normal, whose
-// components of at most 8 D² err by 40 u D², those of at most 24 D³ + 24 D² h by less than 400 u D² (D + h). What
-// underflows is less than the smallest normal number.
+// The separating axis theorem, in floating point. Let D be the largest coordinate of a corner from the centre, rounded
+// by u = 2^-53 of itself, and h the half-width. Along an axis of the cube errors are below 2 u D. Along an edge's
+// product with one, projections of at most 4 D² + 4 D h are rounded by less than 32 u (D² + D h). Along the normal,
+// whose components of at most 8 D² err by 40 u D², projections of at most 24 D³ + 24 D² h are rounded by less than 400
+// u D² (D + h). Underflow costs less than the smallest normal number.
 class SeparatingAxes {
  public:
   SeparatingAxes(const Cube& cube, const Triangle& triangle) : half_width_(cube.half_width) {
@@ -213,7 +214,7 @@ class SeparatingAxes {
   Triangle corners_;
 };
 
-/// Of a plane through `from` whose normal is known to an interval: where it cuts the cube.
+/// The cutting plane, in the cube, of a plane through `from` whose normal is known to an interval.
 CuttingPlane cut(const Cube& cube, const Point& from, const Vector& normal, double extra) {
   CuttingPlane plane{{}, 0.0, 0.0};
   const Vector to_centre = way(from, cube.centre);
@@ -237,13 +238,14 @@ bool is_usable(const CuttingPlane& plane) {
          std::isfinite(error) && n != Point{};
 }
 
-/// Whether all of the cube is proven to lie on the triangle's side of the plane through this edge and the normal.
+/// Returns whether all of the cube is proven to lie on the triangle's side of the plane through this edge and the
+/// normal.
 bool lies_within_edge(const Cube& cube, const Triangle& triangle, const Vector& normal, std::size_t k) {
   const Vector inward = cross(normal, way(triangle[k], triangle[(k + 1) % 3]));
   return range(inward, cube, triangle[k]).lower() > 0.0;
 }
 
-/// The corner k of the one and l of the other begin the edge that they share, each in its own direction.
+/// The corner k of `a` and the corner l of `b` that begin the shared edge, each in its own direction.
 std::optional<std::pair<std::size_t, std::size_t>> shared_edge(const Triangle& a, const Triangle& b) {
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t l = 0; l < 3; ++l)
@@ -251,7 +253,7 @@ std::optional<std::pair<std::size_t, std::size_t>> shared_edge(const Triangle& a
   return std::nullopt;
 }
 
-/// Places to look from, in half-widths from the centre: where one of them lies on the surface another may not.
+/// Viewpoints, in half-widths from the centre: if one of them lies on the surface, another may not.
 constexpr std::array<Point, 4> places{{{0, 0, 0}, {0.37, -0.21, 0.43}, {-0.55, 0.31, 0.13}, {0.19, 0.67, -0.59}}};
 
 Point place_in(const Cube& cube, const Point& at) {
@@ -314,8 +316,8 @@ CubePart DividedSurface::part(const Cube& cube, const Piece& piece) const {
   }
 }
 
-/// Crossing a triangle along its normal takes 1 from the winding number. Behind all planes, or behind one of them, is
-/// one of the two sides.
+/// Crossing a triangle along its normal takes 1 from the winding number. One of the two sides lies behind all planes
+/// or, unless `behind_all`, behind at least one of them.
 CubePart DividedSurface::parts(int winding_behind, std::vector<CuttingPlane> planes, bool behind_all) const {
   const CubePart::Kind behind = kind_at(winding_behind);
   const CubePart::Kind before = kind_at(winding_behind - 1);
@@ -323,12 +325,12 @@ CubePart DividedSurface::parts(int winding_behind, std::vector<CuttingPlane> pla
   if (behind == before) return {behind};
   const bool wanted_behind = behind == CubePart::Kind::all;
   if (behind_all) return {wanted_behind ? CubePart::Kind::within : CubePart::Kind::beyond, std::move(planes)};
-  // Behind one of them or more: what is behind none is before all.
+  // Behind at least one of them: a point behind none is before all.
   for (CuttingPlane& plane : planes) plane = opposite(plane);
   return {wanted_behind ? CubePart::Kind::beyond : CubePart::Kind::within, std::move(planes)};
 }
 
-/// All of its plane in the cube is the triangle's.
+/// The triangle contains the whole part of its plane in the cube.
 CubePart DividedSurface::divided_by_one(const Cube& cube, const Piece& piece) const {
   const Triangle& triangle = surface_.triangles()[piece.triangles[0]];
   const Vector normal = normal_of(triangle);
@@ -341,9 +343,9 @@ CubePart DividedSurface::divided_by_one(const Cube& cube, const Piece& piece) co
   return parts(behind ? *piece.winding : *piece.winding + 1, {plane}, true);
 }
 
-/// In the cube they are the two faces of a wedge, as no other edge of theirs bounds them there. Where the third corner
-/// of one lies behind the other, what is behind both is convex; else what is before both. Where it may lie in the
-/// other's plane, and they face alike, the second triangle is no farther from that than this corner.
+/// In the cube the two triangles are the faces of a wedge, as no other edges bound them there. If the third corner of
+/// one lies behind the other, the part behind both is convex; else the part before both. If the corner may lie in the
+/// other's plane, and they face alike, the second triangle is no farther from that plane than this corner.
 CubePart DividedSurface::divided_by_two(const Cube& cube, const Piece& piece) const {
   const Triangle& a = surface_.triangles()[piece.triangles[0]];
   const Triangle& b = surface_.triangles()[piece.triangles[1]];

@@ -15,8 +15,8 @@ namespace verisq::verify {
 
 // The volume that half-spaces leave of a cube.
 
-/// {e : normal·e <= offset}, e from the centre of a cube; what is meant is a set that contains it with the offset less
-/// the error, and lies in it with the offset plus the error, in the same units.
+/// {e : normal·e <= offset}, e from the centre of a cube. The plane stands for a set between two such half-spaces: with
+/// the offset less the error, and with the offset plus the error, in the same units.
 struct CuttingPlane {
   Point normal;  ///< finite, not zero
   double offset;
@@ -28,16 +28,16 @@ struct CuttingPlane {
 /// The largest value of normal·e over a cube, rounded up.
 [[nodiscard]] double reach_up(const Point& normal, double half_width);
 
-/// A cube, cut by one half-space after the other: tetrahedra in floating point, with a bound of what that loses
-/// (docs/mathematics.md §23). Their coordinates are multiples of the half-width.
+/// A cube, cut by one half-space after the other: tetrahedra in floating point, with a bound of the volume lost by
+/// rounding (docs/mathematics.md §23). Their coordinates are multiples of the half-width.
 class ClippedCube {
  public:
-  /// Precondition: a power of two, far from overflow and underflow of its cube.
+  /// Precondition: the half-width is a power of two, far from overflow and underflow of its cube.
   explicit ClippedCube(double half_width);
 
   void clip(const CuttingPlane& plane);
 
-  /// Of what is meant; at least 0 and at most that of the cube.
+  /// The volume of the intended set; at least 0 and at most the cube's volume.
   [[nodiscard]] Enclosure volume() const;
 
  private:
@@ -48,35 +48,35 @@ class ClippedCube {
   std::vector<Tetrahedron> tetrahedra_;
 };
 
-// A closed surface in the cubes of an octree: the part of a cube on one side of it, where that is simple
+// A closed surface in the cubes of an octree: the part of a cube on one side of the surface, if that part is simple
 // (docs/mathematics.md §23).
 
-/// What of a cube belongs to a set: the part in all of the half-spaces, or, the other way about, what they leave.
+/// The part of a cube that belongs to a set: within all of the half-spaces or, for `beyond`, the complement of that.
 struct CubePart {
   enum class Kind : std::uint8_t { nothing, all, within, beyond, unknown };
   Kind kind;
-  std::vector<CuttingPlane> planes = {};  ///< of the kinds `within` and `beyond`: one or two
+  std::vector<CuttingPlane> planes = {};  ///< one or two planes for the kinds `within` and `beyond`
 };
 
 /// Immutable: safe to ask from many threads.
 class DividedSurface {
  public:
-  /// `orientation` is 1 where the triangles face outward, -1 where they face inward. Inside is where the surface winds
-  /// as its orientation says, outside where it does not wind; the set is one of both. Precondition: as ClosedSurface,
-  /// and every edge is run through as often one way as the other.
+  /// `orientation` is 1 if the triangles face outward, -1 if they face inward. Inside are the points about which the
+  /// surface winds with its orientation, outside those about which it does not wind; the set is one of both.
+  /// Precondition: as for ClosedSurface, and every edge is run through as often one way as the other.
   DividedSurface(std::vector<Triangle> triangles, int orientation, Side side);
 
   [[nodiscard]] const ClosedSurface& closed() const { return surface_; }
 
-  /// What is known of a cube.
+  /// The facts known about a cube.
   struct Piece {
-    std::vector<std::uint32_t> triangles;  ///< no others meet the cube
-    Point place{};                         ///< in the cube
-    std::optional<int> winding = {};       ///< there
+    std::vector<std::uint32_t> triangles;  ///< no other triangles meet the cube
+    Point place{};                         ///< a point in the cube
+    std::optional<int> winding = {};       ///< the winding number at `place`
   };
 
   [[nodiscard]] Piece piece(const Cube& cube) const;
-  /// Of a cube in the one that `whole` is of: the same, at less cost.
+  /// The piece of a cube within the cube of `whole`: the same result, at less cost.
   [[nodiscard]] Piece piece(const Cube& cube, const Piece& whole) const;
 
   [[nodiscard]] CubePart part(const Cube& cube, const Piece& piece) const;

@@ -33,8 +33,8 @@ std::array<Real, 3> coordinates(const PreciseVector& x) {
   return {x[0].lower(), x[1].lower(), x[2].lower()};
 }
 
-/// F(v) and its Jacobian I + D^2h_A(v) + R D^2h_-B(R^T v) R^T: h_-B(w) = h_B(-w), and -B's support point at w is minus
-/// B's at -w.
+/// F(v) and its Jacobian I + D^2h_A(v) + R D^2h_-B(R^T v) R^T. Here h_-B(w) = h_B(-w), and -B's support point at w is
+/// minus B's support point at -w.
 struct SeparationSystem {
   NormFunction<PreciseInterval> support_a;
   NormFunction<PreciseInterval> support_b;  ///< of -B
@@ -54,9 +54,9 @@ struct SeparationSystem {
   }
 };
 
-/// The same for a flat A, whose support point is too sensitive: in the unknowns x on A's surface and s > 0 the vector
+/// The same for a flat A, whose support point is too sensitive. In the unknowns x on A's surface and s > 0 the vector
 /// is v = s n with the normal n = Dg_A(x), and the equations are v - c + x + R s_-B(R^T v) = 0, g_A(x) = 1. A zero
-/// gives one of F, because x = s_A(v).
+/// gives a zero of F, because x = s_A(v).
 struct SurfaceSystem {
   NormFunction<PreciseInterval> gauge_a;
   SeparationSystem separation;
@@ -80,8 +80,8 @@ struct SurfaceSystem {
   }
 };
 
-/// Both solids flat: the unknowns are x and s as above, y on B's surface and m > 0 with v = -m R Dg_B(y). The equations
-/// are c + R y - x = s Dg_A(x), s Dg_A(x) + m R Dg_B(y) = 0, g_A(x) = 1, g_B(y) = 1.
+/// The same for two flat solids: the unknowns are x and s as above, y on B's surface and m > 0 with v = -m R Dg_B(y).
+/// The equations are c + R y - x = s Dg_A(x), s Dg_A(x) + m R Dg_B(y) = 0, g_A(x) = 1, g_B(y) = 1.
 struct SurfacesSystem {
   NormFunction<PreciseInterval> gauge_a;
   NormFunction<PreciseInterval> gauge_b;
@@ -158,7 +158,7 @@ struct Cap {
     return (PreciseInterval(solid->support(direction).upper()) - multiplier * level).upper();
   }
 
-  /// The least of these, nearly: they are convex in t. Golden section in ln t. Precondition: |e| <= 1.
+  /// About the least of these bounds: they are convex in t. Golden section in ln t. Precondition: |e| <= 1.
   [[nodiscard]] Real largest(const PreciseVector& e) const {
     constexpr double golden = 0.6180339887498949;
     const double scale = std::log(static_cast<double>(length<Real>(v).upper().to_long_double()));
@@ -224,7 +224,7 @@ struct Boxes {
   }
 };
 
-/// Two enclosures of the same pair of points, or what there is.
+/// The intersection of two enclosures of the same pair of points, or the only one that exists.
 std::optional<Boxes> both(const std::optional<Boxes>& x, const std::optional<Boxes>& y) {
   if (!x || !y) return x ? x : y;
   return Boxes{intersection(x->on_a, y->on_a, closest_coordinate), intersection(x->on_b, y->on_b, closest_coordinate)};
@@ -245,7 +245,7 @@ struct Remaining {
   std::size_t j;
   PairBounds bounds;
   PreciseContact contact;
-  Real lower;  ///< of the pair's distance
+  Real lower;  ///< lower bound of the pair's distance
 
   [[nodiscard]] bool strictly_convex_both() const {
     return strictly_convex(bounds.a().superquadric()) && strictly_convex(bounds.b().superquadric());
@@ -263,7 +263,8 @@ struct Remaining {
                     std::ranges::max(bounds.b().superquadric().semi_axes));
   }
 
-  /// In the frame of model A; each point also from the other one and the vector, which is tighter beside a face.
+  /// The boxes in the frame of model A. Each point is also enclosed by the other point and the vector, which is tighter
+  /// beside a face.
   [[nodiscard]] std::optional<Boxes> boxes(const std::optional<PairBox>& found, const PosedPairs& pairs) const {
     if (!found) return std::nullopt;
     const auto& [v, on_a, on_b] = *found;
@@ -274,7 +275,7 @@ struct Remaining {
     return Boxes{intersection(a, b - apart, closest_coordinate), intersection(b, a + apart, closest_coordinate)};
   }
 
-  /// From both solids' sides where the first system leaves wide boxes or does not succeed.
+  /// Solves from both solids' sides if the first system leaves wide boxes or does not succeed.
   [[nodiscard]] std::optional<Boxes> by_krawczyk(const PosedPairs& pairs) const {
     if (!strictly_convex_both()) return std::nullopt;
     const Superquadric& a = bounds.a().superquadric();
@@ -303,9 +304,9 @@ struct Remaining {
     return both(found, boxes(by_surfaces(surfaces, contact), pairs));
   }
 
-  /// The coordinates whose reflection x_k -> -x_k maps A and B onto themselves: each solid alone it does, but for z and
-  /// a taper, and where R e_k = ±e_k and c_k = 0, all exactly, it commutes with B's motion. It then maps closest points
-  /// to closest points; where there is only one pair of them, both have x_k = 0.
+  /// The coordinates whose reflection x_k -> -x_k maps A and B onto themselves. It maps each solid alone onto itself,
+  /// but for z and a taper. If R e_k = ±e_k and c_k = 0, all exactly, it commutes with B's motion. It then maps closest
+  /// points to closest points; if there is only one pair of them, both have x_k = 0.
   [[nodiscard]] std::array<bool, 3> planes_of_closest_points() const {
     const auto zero = [](const PreciseInterval& x) { return x.lower() == Real(0) && x.upper() == Real(0); };
     const auto& [rotation, translation] = bounds.relative();
@@ -333,7 +334,7 @@ struct Remaining {
   }
 };
 
-/// The best vector and the best points found for one pair, and what they prove.
+/// The best vector and the best points found for one pair, and the bounds that they prove.
 struct BestContact {
   PreciseContact contact;
   Real lower;
@@ -363,7 +364,7 @@ struct BestContact {
     if (refined) improve(of(bounds, *refined));
   }
 
-  /// Whether the ends leave room for nothing but the rounding errors of 127 bits.
+  /// Returns whether the difference of the ends is no more than the rounding errors of 127 bits.
   [[nodiscard]] bool tight(const Real& magnitude) const {
     return (PreciseInterval(upper) - PreciseInterval(lower) - PreciseInterval(Real(1e-32)) * magnitude).upper() <
            Real(0);
@@ -381,7 +382,7 @@ BestContact best_contact(const PairBounds& bounds, const Separation& s) {
   const Superquadric& b = bounds.b().superquadric();
   const RigidMotion& relative = bounds.relative();
   const Enclosure proven = bounds.distance(s);
-  // Where spheres separate the solids, the line of centres does.
+  // If spheres separate the solids, the line of centres does.
   const PreciseVector start = proven.lo > 0.0 ? precise(s.vector) : thin(relative.translation);
   const bool points = proven.hi < infinity;
   const Point centre{0.0, 0.0, 0.0};
@@ -404,10 +405,10 @@ BestContact best_contact(const PairBounds& bounds, const Separation& s) {
 /// All pairs of primitives that single evaluations in 127 bits do not prove to be farther than the nearest.
 struct Nearest {
   std::vector<Remaining> pairs;
-  Real upper;  ///< of the distance of the models
+  Real upper;  ///< upper bound of the distance of the models
 };
 
-/// Nothing where interrupted.
+/// Nothing if interrupted.
 std::optional<Nearest> nearest_pairs(const PosedPairs& pairs, const ModelDistance& found,
                                      const std::function<bool()>& interrupted) {
   Nearest nearest{{}, found.distance.hi};

@@ -28,7 +28,7 @@ using WideVector = Coordinates<Wide>;
 
 constexpr std::size_t kMostExits = 4000;  ///< points of the surface
 constexpr int kMostBisections = 50;       ///< directions stay exact
-constexpr Wide kExitMargin = 0x1p-62;     ///< of the gauge: what a proposal of the surface loses by rounding
+constexpr Wide kExitMargin = 0x1p-62;     ///< of the gauge: the loss of a proposed surface point by rounding
 
 /// A ray from q and a point q + d of it that is proven to lie in the solid.
 struct Exit {
@@ -110,7 +110,7 @@ class DirectionCover {
     return exits_.size() - 1;
   }
 
-  /// As far along the ray as can be proven; q itself at worst.
+  /// The exit as far along the ray as can be proven; q itself at worst.
   [[nodiscard]] Exit proven_exit(const WideVector& direction) const {
     const PreciseVector exact = precise(direction);
     const PreciseVector unit = exact / length<Real>(exact);
@@ -177,7 +177,7 @@ constexpr const char* what_of_points = "a coordinate of the closest point of a s
 constexpr const char* what_of_normals = "a component of the normal of a superquadric";
 constexpr const char* what_of_distances = "the signed distance of a superquadric";
 
-/// Where a box is wider, in units of the size, another attempt is worth it.
+/// If a box is wider than this, in units of the size, another attempt is worth it.
 constexpr double kNarrowestBox = 0x1p-46;
 
 /// In the solid's own frame.
@@ -220,14 +220,14 @@ class Projection {
         equations_(solid.superquadric(), q),
         near_gauge_(NormFunction<long double>::gauge(solid.superquadric())) {}
 
-  /// Nothing where q is not proven to lie outside.
+  /// Nothing if q is not proven to lie outside.
   [[nodiscard]] std::optional<LocalAnswer> outside() const {
     if (!(bounds_.gauge(q_).lower() > Real(1))) return std::nullopt;
     const Contact rough = rough_contact(solid_, midpoint(q_));
     Ends ends = ends_of(refined(rough));
     std::optional<LocalAnswer> answer = ball(ends);
     if (answer && narrow(*answer)) return answer;
-    // On an edge the gradient at the foot is not what leads to q.
+    // On an edge the gradient at the foot is not the direction to q.
     const Contact fast = fast_contact(solid_, midpoint(q_));
     ends = better(ends, ends_of(fast));
     ends = better(ends, by_support({ends.feasible, unit(precise(fast.normal)), {}, {}}));
@@ -239,7 +239,7 @@ class Projection {
     return answer ? intersection(*answer, *zero) : *zero;
   }
 
-  /// Precondition: q is proven to lie in the interior. Nothing where a nearest point is not proven to be the only one.
+  /// Precondition: q is proven to lie in the interior. Nothing if a nearest point is not proven to be the only one.
   [[nodiscard]] std::optional<LocalAnswer> inside(const CertifiedDistance& found) const {
     const PreciseVector direction = unit(precise(found.direction));
     const PreciseInterval reach(Real(-found.distance.lo));
@@ -270,12 +270,12 @@ class Projection {
   }
 
  private:
-  /// What two evaluations prove of the distance d of q outside, and what they prove it by.
+  /// Bounds of the distance d of q outside by two evaluations, and the vectors that prove them.
   struct Ends {
-    PreciseVector feasible;   ///< y, of which one point is known to lie in K
+    PreciseVector feasible;   ///< y, a box of which one point is known to lie in K
     PreciseVector direction;  ///< v, of length 1
-    Real distance_lower;      ///< of (v·q - h(v)) / |v|
-    Real distance_upper;      ///< of |q - y|
+    Real distance_lower;      ///< lower end of (v·q - h(v)) / |v|
+    Real distance_upper;      ///< upper end of |q - y|
   };
 
   [[nodiscard]] PreciseVector feasible(const PreciseVector& x) const {
@@ -292,8 +292,8 @@ class Projection {
     return ends;
   }
 
-  /// The same by one evaluation of the gauge at a point x that is no box: y = x / g(x), and v = Dg(x), for which h(v) =
-  /// 1 because v·z <= g(z) for all z. Only where the gauge is differentiable at x.
+  /// The same by one evaluation of the gauge at a point x that is no box: y = x / g(x), and v = Dg(x). For this v, h(v)
+  /// = 1 because v·z <= g(z) for all z. Only valid if the gauge is differentiable at x.
   [[nodiscard]] std::optional<Ends> by_gradient(const PreciseVector& x) const {
     try {
       const NormExpansion<PreciseInterval> g = equations_.gauge(x);
@@ -317,7 +317,7 @@ class Projection {
     return by_support({feasible(x), unit(precise(contact.normal)), {}, {}});
   }
 
-  /// The larger lower end and the smaller upper one, with what proves them.
+  /// The larger lower end and the smaller upper one, with the vectors that prove them.
   [[nodiscard]] static Ends better(const Ends& a, const Ends& b) {
     const Ends& below = b.distance_lower > a.distance_lower ? b : a;
     const Ends& above = b.distance_upper < a.distance_upper ? b : a;
@@ -375,7 +375,7 @@ class Projection {
            widest(answer.normal) <= kNarrowestBox;
   }
 
-  /// Nothing where it is not bounded away from 0.
+  /// Nothing if the gradient is not bounded away from 0.
   [[nodiscard]] std::optional<PreciseVector> gradient_over(const PreciseVector& region) const {
     try {
       const PreciseVector gradient = equations_.gauge(region).gradient;
@@ -410,7 +410,7 @@ class Projection {
     return LocalAnswer{-(*zero)[3] * length<Real>(*normal), point, unit(*normal)};
   }
 
-  /// Whether q has no other nearest point than that of `zero`, the depth being known to lie in `depth`.
+  /// Returns whether q has no nearest point but that of `zero`; the depth is known to lie in `depth`.
   [[nodiscard]] bool only(const LocalAnswer& zero, const PreciseInterval& depth) const {
     if (alone_in(about_q(depth), zero, depth)) return true;
     const std::optional<PreciseVector> region = region_of(zero, depth);
@@ -428,7 +428,7 @@ class Projection {
     return nearest_points_lie_in(solid_, bounds_, q, depth, box);
   }
 
-  /// Whether the region has the point of `zero`, and no other that is stationary at such a depth.
+  /// Returns whether the region contains the point of `zero`, and no other point that is stationary at such a depth.
   [[nodiscard]] bool alone_in(const PreciseVector& region, const LocalAnswer& zero,
                               const PreciseInterval& depth) const {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -466,10 +466,10 @@ ClosestSurfacePoint in_model(const RigidMotion& motion, const LocalAnswer& answe
   return {answer.distance, motion(answer.point), intersection(normal, any_unit_vector(), what_of_normals), unique};
 }
 
-/// How tightly the depth is enclosed before a nearest point is looked for, in parts of the largest semi-axis.
+/// The width, in parts of the largest semi-axis, to which the depth is enclosed before a nearest point is searched for.
 constexpr double kDepthTolerance = 0x1p-10;
 
-/// For any q. Nothing proven but the distance.
+/// For any q. Proves nothing but the distance.
 ClosestSurfacePoint within_distance(const PosedSuperquadric& solid, const Projection& projection,
                                     const PreciseInterval& distance) {
   return in_model(solid.motion(), projection.anywhere(distance), false);
@@ -498,7 +498,7 @@ ClosestSurfacePoint closest_surface_point(const PosedSuperquadric& solid, const 
   try {
     if (const auto outside = projection.outside()) return in_model(solid.motion(), *outside, true);
     if (solid.bounds().gauge(q).upper() < Real(1)) return inside_point(solid, projection, q);
-    // On the surface but for rounding, or outside by less than can be proven.
+    // q lies on the surface but for rounding, or outside by less than can be proven.
     const auto beside = projection.beside_surface(distance_by_contact(solid, q));
     if (beside) return in_model(solid.motion(), *beside, true);
   } catch (const std::domain_error&) {

@@ -1,4 +1,4 @@
-/// Where a superquadric is nearest to a body: the contact problem and its solution.
+/// The point at which a superquadric is nearest to a body: the contact problem and its solution.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +24,10 @@ struct Contact {
   Proposal normal;
 };
 
-/// Solves the optimality conditions x_i + λ n_i(x) = q_i, g(x) = 1 for q outside, in the solid's frame. Nothing is
-/// proven here; for q inside or on the surface the result is the radial projection and the normal there. `rough` works
-/// in binary64 and takes a fraction of the time of `fast`, which works in long double and is accurate to its rounding
-/// for 1e-7 < e < 2 - 1e-8 and e = 2; `thorough` works in 50 digits and some hundred times longer.
+/// Solves the optimality conditions x_i + λ n_i(x) = q_i, g(x) = 1 for q outside, in the solid's frame. Proves nothing;
+/// for q inside or on the surface the result is the radial projection and the normal there. `rough` works in binary64
+/// and takes a fraction of the time of `fast`. `fast` works in long double and is accurate to its rounding for 1e-7 < e
+/// < 2 - 1e-8 and e = 2. `thorough` works in 50 digits and takes some hundred times longer.
 [[nodiscard]] Contact rough_contact(const Superquadric& solid, const Proposal& q);
 [[nodiscard]] Contact fast_contact(const Superquadric& solid, const Proposal& q);
 [[nodiscard]] Contact thorough_contact(const Superquadric& solid, const Proposal& q);
@@ -42,11 +42,11 @@ namespace verisq::verify::logarithmic {
 //     X + (μ / a1^2) X^k2 = q1 / a1,     Y alike,     Z + (λ / a3^2) Z^k1 = q3 / a3,
 //     λ = μ r^(p2 - p1),     r = ‖(X, Y)‖_p2,     g = ‖(r, Z)‖_p1 = 1.
 // Given μ, each equation has one root. X and Y fall as μ rises. So does Z, because λ rises: D(r), the squared distance
-// of (q1, q2) to the section ‖(X, Y)‖_p2 <= r, is convex, so its multiplier μ r^k2 rises as r falls, and
-// λ = (μ r^k2) r^(-k1). Hence g falls as μ rises, and the whole problem is one monotone equation in ln μ, solved by
-// Newton steps inside a bracket.
+// of (q1, q2) to the section ‖(X, Y)‖_p2 <= r, is convex. So its multiplier μ r^k2 rises as r falls, and λ = (μ r^k2)
+// r^(-k1). Hence g falls as μ rises, and the whole problem is one monotone equation in ln μ, solved by Newton steps
+// inside a bracket.
 
-// Long double takes these, other types bring their own.
+// Long double uses these; other types bring their own.
 using std::copysign;
 using std::exp;
 using std::expm1;
@@ -55,10 +55,10 @@ using std::isfinite;
 using std::log;
 using std::log1p;
 
-/// What the precision of the logarithms allows.
+/// The limits that the precision of the logarithms sets.
 struct Resolution {
   double surface;     ///< ln g of points closer to the surface is rounding error
-  double step;        ///< of Newton's method to stop after: the error left is of the order of its square
+  double step;        ///< the step after which Newton's method stops: the remaining error is of the order of its square
   double below_two;   ///< smallest positive 2 - e
   double above_zero;  ///< smallest e
 };
@@ -178,8 +178,8 @@ class ContactProblem {
   /// ln λ - ln μ = (p2 - p1) ln r
   [[nodiscard]] Float log_ratio(const Float& log_r) const { return k1_ == k2_ ? Float(0) : Float((k2_ - k1_) * log_r); }
 
-  /// Where the section is a rhombus (e2 = 2), r may fall below the rounding error of X and Y, while λ contains a power
-  /// of it: then ln r is the well-conditioned unknown. Decided at half the section radius of q itself.
+  /// If the section is a rhombus (e2 = 2), r may fall below the rounding error of X and Y, while λ contains a power of
+  /// it: then ln r is the well-conditioned unknown. Decided at half the section radius of q itself.
   [[nodiscard]] bool radius_is_unknown() const {
     if (k2_ != 0 || k1_ == 0) return false;
     return evaluate_radius(log_norm(log_target_[0], log_target_[1], k2_) - log(Float(2))).log_gauge > 0;
@@ -201,7 +201,7 @@ class ContactProblem {
     return it;
   }
 
-  /// Projects on the rhombus X + Y = r first: X = t1 - μ/a1^2, Y = t2 - μ/a2^2, or zero where that is negative.
+  /// Projects on the rhombus X + Y = r first: X = t1 - μ/a1^2, Y = t2 - μ/a2^2, or zero if that is negative.
   [[nodiscard]] Iterate evaluate_radius(const Float& log_r) const {
     Iterate it{};
     const Float r = exp(log_r);
@@ -286,7 +286,7 @@ class ContactProblem {
     return result;
   }
 
-  /// At e1 = 2 the pole (0, 0, a3) is a vertex; it is closest where the multiplier of z outweighs the section's.
+  /// At e1 = 2 the pole (0, 0, a3) is a vertex; it is closest if the multiplier of z outweighs the section's.
   [[nodiscard]] bool apex_is_closest() const {
     const Float height = fabs(q_[2]) - a_[2];
     if (k1_ != 0 || !(height > 0)) return false;
@@ -365,14 +365,15 @@ class TaperedContactProblem {
     Float high = farthest();
     const Float at_low = rise(low);
     const Float at_high = rise(high);
-    // Beyond both ends the solid's height changes no more in Float, but where p1 is near 1 its normal does:
-    // |u_z/a3|^(p1-1) may still be far from 0 there, as r^(p1-1) at the pole. The closest point has that height, and
-    // its normal is q - x.
+    // Beyond both ends the solid's height changes no more in Float, but if p1 is near 1 its normal does. There
+    // |u_z/a3|^(p1-1) may still be far from 0, like r^(p1-1) at the pole. The closest point has that height, and its
+    // normal is q - x.
     if (at_low <= 0) return corner(place(low, side));
     if (at_high >= 0) return corner(place(high, side));
     if (!(at_low > 0 && at_high < 0)) return radial();  // numbers overflow
     std::uintmax_t most_steps = 100;
-    // A few units in the last place of Float: nearer, the bracket's ends are rounding errors, and only bisected.
+    // A few units in the last place of Float. Nearer, the bracket's ends are rounding errors, and the bracket is only
+    // bisected.
     const Float last_places = 4 * std::numeric_limits<Float>::epsilon();
     const Float wanted = std::max(Float(resolution_.step * resolution_.step), last_places);
     const auto close = [&](const Float& a, const Float& b) { return fabs(b - a) <= wanted * (1 + fabs(a)); };
@@ -404,8 +405,8 @@ class TaperedContactProblem {
 
   [[nodiscard]] Float farthest() const { return -log(Float(resolution_.surface)) + 4; }
 
-  /// So far that the height's rounding leaves digits of z - q3. Nearer, the normal at the radial projection is as good:
-  /// a bound loses the square of the distance.
+  /// Returns whether q is so far outside that the height's rounding leaves digits of z - q3. Nearer, the normal at the
+  /// radial projection is as good: a bound loses the square of the error.
   [[nodiscard]] bool outside() const {
     const auto nearest = std::max<long double>(1e6 * resolution_.surface, 1e-18L);
     return Boundary<long double>(solid_).gauge({std::fabs(q_[0]), std::fabs(q_[1]), q_[2]}) > 1.0L + nearest;
@@ -432,7 +433,7 @@ class TaperedContactProblem {
 
   [[nodiscard]] Foot foot(const Place& place) const {
     const auto radius = static_cast<long double>(place.radius);
-    // With q3 = 0 the exponent along z is any; this one lets a rhombus be solved by its radius.
+    // With q3 = 0 any exponent along z is right; this one lets a rhombus be solved by its radius.
     const Superquadric section{{solid_.semi_axes[0], solid_.semi_axes[1], solid_.semi_axes[0]},
                                {1.0, solid_.exponents[1]}};
     const Proposal q{q_[0] / radius, q_[1] / radius, 0.0L};  // the section has the radius 1
@@ -471,8 +472,8 @@ class TaperedContactProblem {
     return found.contact;
   }
 
-  /// On the widest section or at a pole, for e1 = 2 an edge and a tip, nearly so where e1 is near 2: between the
-  /// normals about it.
+  /// The contact on the widest section or at a pole, whose normal lies between the normals about it. For e1 = 2 these
+  /// are an edge and a tip, for e1 near 2 nearly so.
   [[nodiscard]] Contact corner(const Place& place) const {
     Contact found = foot(place).contact;
     found.point[2] = static_cast<long double>(place.z);

@@ -21,16 +21,16 @@ namespace verisq::verify {
 
 namespace {
 
-/// Where a proposal leaves more than this, in units of the largest length at hand, a better one is worth it.
+/// If a proposal leaves a width of more than this, in units of the largest length involved, a better one is worth it.
 constexpr double kExpectedWidth = 1e-14;
 
-/// GJK's share of the tolerance. Its point is a chord's, below the surface: moved along the ray from the centre up to
-/// the surface of a solid with axes 1:400 it is farther by 400 times its depth.
+/// GJK's share of the tolerance. Its point lies on a chord, below the surface. Moved along the ray from the centre up
+/// to the surface of a solid with axes 1:400, it is farther by 400 times its depth.
 constexpr double kShareOfTolerance = 1e-4;
 
 /// GJK is not trusted with distances below this, in units of the size.
 constexpr double kNearest = 1e-3;
-/// Points as far as the size take 5 to 20 steps, points beside the surface 60.
+/// Points at the distance of the size take 5 to 20 steps, points beside the surface 60.
 constexpr int kMostSteps = 24;
 
 Coordinates<double> rounded(const Proposal& x) {
@@ -41,8 +41,8 @@ Proposal widened(const Coordinates<double>& x) {
   return {x[0], x[1], x[2]};
 }
 
-/// Nothing where GJK does not separate q from the solid, or only just: beside the surface binary64 has no digits left
-/// for its direction, the moved point is not where the certificate's vector leads, and `fast_contact` is faster.
+/// Nothing if GJK does not separate q from the solid, or only just. Beside the surface binary64 has no digits left for
+/// its direction, the certificate's vector does not lead to the moved point, and `fast_contact` is faster.
 std::optional<Contact> gjk_contact(const Superquadric& solid, const Proposal& q, double tolerance) {
   const Coordinates<double> point = rounded(q);
   const GjkResult<double> found = gjk<double>(SuperquadricSet<double>(solid), PointSet<double>{point}, point,
@@ -53,8 +53,8 @@ std::optional<Contact> gjk_contact(const Superquadric& solid, const Proposal& q,
   return Contact{x, {q[0] - x[0], q[1] - x[1], q[2] - x[2]}};
 }
 
-/// The foot of a contact with the gradient of the gauge there instead of what leads to q: hardly off a flat face of a
-/// tapered solid the difference of both knows its direction to some digits alone, because the height has been rounded.
+/// The foot of a contact, with the gradient of the gauge there instead of the vector to q. Hardly off a flat face of a
+/// tapered solid, the difference of both has only some digits of its direction, because the height has been rounded.
 Contact with_own_normal(const Superquadric& solid, const Contact& contact) {
   const Proposal& x = contact.point;
   const auto n = Boundary<long double>(solid).normal({std::fabs(x[0]), std::fabs(x[1]), x[2]});
@@ -110,12 +110,12 @@ CertifiedDistance exterior_distance(const Superquadric& solid, const Superquadri
   return *best;
 }
 
-// Why the faces of the polyhedron prove a depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid K, and c >= 0
-// with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and
-// t Σ l_i <= c·v <= |v| <= t, so that q + v lies in the hull of q and the q + d_i, which lies in K. When cones cover
+// The proof that the faces of the polyhedron bound the depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid
+// K, and c >= 0 with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i
+// >= 0, and t Σ l_i <= c·v <= |v| <= t. So q + v lies in the hull of q and the q + d_i, which lies in K. If cones cover
 // the octant, B(q, t) lies in K, because g is monotone in each |coordinate| and |q_k + t u_k| <= q_k + t |u_k|. The
 // best c points at the point of the triangle d1 d2 d3 closest to q, and then t is the distance to it. The gap to the
-// surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere. Of a tapered
+// surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere. For a tapered
 // solid g is monotone in |x| and |y| alone: cones cover z < 0, too, where d_i and c have z <= 0.
 
 namespace {
@@ -177,8 +177,8 @@ class Polyhedron {
   }
 
  private:
-  /// From a direction to the normal where its ray leaves the solid, and again: each tangent plane is at least as close
-  /// as the exit before it. Keeps the closest plane.
+  /// Goes from a direction to the normal where its ray leaves the solid, and repeats: each tangent plane is at least as
+  /// close as the exit before it. Keeps the closest plane.
   void descend(Vector w, double exit) {
     for (int i = 0; i < 30; ++i) {
       const Vector n = boundary_.normal(along(q_, w, exit));
@@ -199,7 +199,7 @@ class Polyhedron {
     return bounds_.gauge_up(x) <= 1.0;
   }
 
-  /// As far along the ray as can be proven; zero at worst, for q itself is inside.
+  /// As far along the ray as can be proven; zero at worst, because q itself is inside.
   [[nodiscard]] double proven_reach(const Vector& w) const {
     double margin = 4e-15;
     while (margin < 1.0) {
@@ -284,19 +284,19 @@ Depth enclose_depth(const Superquadric& solid, const std::array<double, 3>& q, b
 
 namespace {
 
-/// Enough for a continuum of nearest boundary points (beyond those of revolution, which are reduced) at 1e-6.
+/// Enough for a continuum of nearest boundary points at 1e-6; continua of revolution are reduced before.
 constexpr int kBudget = 50'000;
 
 /// The proofs of surface points in binary64 lose some 4e-15 of the largest semi-axis.
 constexpr double kFinestTolerance = 1e-14;
 
-/// The same problem in the octant of nonnegative coordinates, of a tapered solid also below it, the largest semi-axis
-/// in [1, 2).
+/// The same problem in the octant of nonnegative coordinates (for a tapered solid z may be negative, too), with the
+/// largest semi-axis in [1, 2).
 struct Reduced {
   Superquadric solid;
   std::array<double, 3> q;  ///< at least the exact coordinates: by monotony, balls about it that lie inside prove more
-  PreciseInterval moved;    ///< how far q lies from the exact point where g is not monotone, in the original's unit
-  bool planar;              ///< as in RevolvedPoint, like `order`
+  PreciseInterval moved;    ///< if g is not monotone: the distance of q from the exact point, in the original's unit
+  bool planar;              ///< like `order`, as in RevolvedPoint
   std::array<std::size_t, 3> order;
   int scale;  ///< binary exponent of the original's unit
 };
@@ -346,7 +346,7 @@ Proposal restored(const Reduced& reduced, const std::array<double, 3>& normal, c
   return result;
 }
 
-/// Whether scaling kept the semi-axes exact and the proofs in binary64 still see q inside.
+/// Returns whether scaling kept the semi-axes exact and the proofs in binary64 still find q inside.
 bool searchable(const Reduced& reduced) {
   return std::ranges::min(reduced.solid.semi_axes) >= 1e-200 &&
          SuperquadricBounds<double>(reduced.solid).gauge_up({reduced.q[0], reduced.q[1], reduced.q[2]}) <= 1.0;

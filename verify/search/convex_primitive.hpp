@@ -11,9 +11,9 @@ namespace verisq::verify {
 
 // Signed distance of points outside one superquadric.
 
-/// For every point of the box q in the solid's frame, at most `tolerance` wide or to the rounding of the result. Valid
-/// for points inside too, where the lower end is that of the nearest plane along the ray from the centre, and the upper
-/// end is positive.
+/// The distance for every point of the box q in the solid's frame, at most `tolerance` wide or to the rounding of the
+/// result. It is valid for points inside, too. There the lower end is that of the nearest plane along the ray from the
+/// centre, and the upper end is positive.
 [[nodiscard]] CertifiedDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                                   const PreciseVector& q, double tolerance);
 
@@ -22,7 +22,7 @@ namespace verisq::verify {
 struct Depth {
   double lower;                  ///< proven: the ball of this radius about q lies in the solid
   double upper;                  ///< not proven: distance of q to the closest tangent plane found
-  std::array<double, 3> normal;  ///< of that plane, in the octant: the direction that certifies the other side
+  std::array<double, 3> normal;  ///< of that plane, in the octant: the direction that certifies the other end
 };
 
 /// When to stop.
@@ -33,15 +33,16 @@ struct DepthGoal {
 };
 
 /// Depth of q, the largest t with B(q, t) inside the solid. Preconditions: q >= 0 in the solid's own frame, but for z
-/// of a tapered one, g(q) <= 1 proven by the caller, largest semi-axis in [1, 2) and none below 1e-200. With `planar`,
-/// q[1] must be 0 and the solid one of revolution about z: the section y = 0 then decides.
+/// of a tapered solid; g(q) <= 1 proven by the caller; largest semi-axis in [1, 2) and none below 1e-200. With
+/// `planar`, q[1] must be 0 and the solid one of revolution about z: the section y = 0 then decides.
 [[nodiscard]] Depth enclose_depth(const Superquadric& solid, const std::array<double, 3>& q, bool planar,
                                   const DepthGoal& goal);
 
 // Signed distance of points inside one superquadric.
 
-/// For every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or about 1e-14 of
-/// the largest semi-axis where that is more, or the search's budget is spent. Precondition: g <= 1 proven on q.
+/// The distance for every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or
+/// about 1e-14 of the largest semi-axis if that is more, or the search's budget is spent. Precondition: g <= 1 proven
+/// on q.
 [[nodiscard]] CertifiedDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                                   const PreciseVector& q, double tolerance);
 
@@ -59,17 +60,17 @@ class ConvexPrimitive {
     return usable(v) ? midpoint(proof_.motion().rotation * precise(v)) : Proposal{};
   }
 
-  /// What needs no search.
+  /// The bounds that need no search.
   [[nodiscard]] const PosedSuperquadric& proof() const { return proof_; }
 
   /// How far along x + s u the supporting plane of normal u lies: beyond the returned s (rounded up) every point of the
   /// ray is outside. Precondition: u is usable.
   [[nodiscard]] double ray_clearance(const Point& x, const Proposal& u) const;
 
-  /// Whether x + s u is proven to lie outside, at a positive distance.
+  /// Returns whether x + s u is proven to lie outside, at a positive distance.
   [[nodiscard]] bool separated(const Point& x, const Proposal& u, double s) const;
 
-  /// Whether x is proven to lie outside.
+  /// Returns whether x is proven to lie outside.
   [[nodiscard]] bool excludes(const Point& x) const {
     return proof_.lower_by_sphere(x) > 0.0 || proof_.bounds().gauge(proof_.motion().local_point(x)).lower() > Real(1);
   }

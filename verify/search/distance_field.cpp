@@ -70,10 +70,10 @@ PoseBoxMotion::PoseBoxMotion(const PoseSpace& space, const PoseBox& box, double 
   jacobian_ = exponential.jacobian;
 }
 
-// With y = v - t - τ(0) and R(s) = exp(ω(0) + s δω) R0, x - c = R(1)^T (y - δτ). Rotations along the line turn at
+// With y = v - t - τ(0) and R(s) = exp(ω(0) + s δω) R0, x - c = R(1)^T (y - δτ). Rotations along the line turn at the
 // angular velocity J δω, which is no faster than |δω|: |R(1)^T y - R(0)^T y| <= |δω| |y|, and R^T keeps the length of
-// δτ. Second derivatives along the line are at most 3/2 |δω|² |y| (docs/mathematics.md §24): the remainder of R^T y is
-// at most 3/4 of that square times |y|; that of R^T δτ is |R(1)^T δτ - R(0)^T δτ| <= |δω| |δτ|.
+// δτ. Second derivatives along the line are at most 3/2 |δω|² |y| (docs/mathematics.md §24). So the remainder of R^T y
+// is at most 3/4 of that square times |y|; the remainder of R^T δτ is |R(1)^T δτ - R(0)^T δτ| <= |δω| |δτ|.
 PoseBoxMotion::Place PoseBoxMotion::place(const Vector3d& v) const {
   const Vector3d arm = v - pivot_;
   const double length = arm.norm();
@@ -83,7 +83,8 @@ PoseBoxMotion::Place PoseBoxMotion::place(const Vector3d& v) const {
           .remainder = turned_ * (0.75 * turned_ * length + moved_) * kRoundedUp + rounding_};
 }
 
-// With m = R n: n·R^T (y - δτ) changes by -m·δτ, and where the implant turns by θ = J δω by -m·(θ x y) = θ·(m x y).
+// With m = R n: n·R^T (y - δτ) changes by -m·δτ. If the implant turns by θ = J δω, it changes by -m·(θ x y) = θ·(m x
+// y).
 PoseParameters PoseBoxMotion::slope(const Place& place, const Vector3d& normal) const {
   const Vector3d turned = rotation_ * normal;
   PoseParameters result;
@@ -99,15 +100,15 @@ using Eigen::Vector3d;
 
 /// Nodes of the finest grid, about; each coarser one has fewer.
 constexpr double kFineNodes = 100000.0;
-/// Of the smallest semi-axis: a finer grid would not say much more of so small a solid.
+/// Share of the smallest semi-axis: a finer grid would hardly improve the bounds of so small a solid.
 constexpr double kFinestSpacing = 0.3;
-/// From a grid to the next.
+/// The ratio of spacings from a grid to the next.
 constexpr double kCoarsening = 3.5;
-/// How far the finest grid reaches beyond the model, in nodes.
+/// The reach of the finest grid beyond the model, in nodes.
 constexpr double kFineMargin = 6.0;
-/// How far from the surface points are still told to be too deep, in nodes.
+/// The largest distance from the surface, in nodes, at which balls are still sought that prove points too deep.
 constexpr double kBallMargin = 1.5;
-/// Of the finest grid, at most: long thin models have a coarser one.
+/// The largest number of nodes of the finest grid: long thin models have a coarser one.
 constexpr double kMostNodes = 400000.0;
 
 /// Nodes along each axis: the model, and the margin on both sides.
@@ -121,7 +122,8 @@ double fine_spacing(const Vector3d& lengths, double smallest) {
   return spacing;
 }
 
-/// Of the box about the solid: its sections along z are at most 1 + |k| times that of the middle, k = (t - 1)/(t + 1).
+/// Half the sides of the box about the solid: its sections along z are at most 1 + |k| times the middle one, k = (t -
+/// 1)/(t + 1).
 Vector3d half_sides_of(const Superquadric& solid) {
   const double widening = (1.0 + std::abs(taper_coefficient<double>(solid.taper))) * (1.0 + 0x1p-50);
   const auto& [a, b, c] = solid.semi_axes;
@@ -223,11 +225,11 @@ void DistanceField::find_slab(std::size_t slab, const ProposedNormal& normal) {
   }
 }
 
-// The primitive lies in {v·q <= h(v)} of its own frame, q = R^T (x - t) about its focus t: its signed distance is at
-// least (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as it is, v = R^T n; |n| differs from 1 by
+// The primitive lies in {v·q <= h(v)} of its own frame, q = R^T (x - t) about its focus t. So its signed distance is at
+// least (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as exact, v = R^T n. |n| differs from 1 by
 // less than 2^-22, and the offset from its binary32 number by less than 2^-23 of itself: the slack is more than both
-// make. Below the normal numbers of binary32 an offset rounds by 2^-150 instead, and the slack is at least 2^-121
-// (PoseBoxMotion::smallest_size); a component of a normal rounds by 2^-150, too, which `size` multiplies.
+// errors. Below the normal numbers of binary32 an offset rounds by 2^-150 instead, and the slack is at least 2^-121
+// (PoseBoxMotion::smallest_size). A component of a normal rounds by 2^-150, too, which `size` multiplies.
 RoundedHalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vector3d& local_normal) const {
   const Vector3d unit = vector(near_one(Point{local_normal[0], local_normal[1], local_normal[2]})).normalized();
   const Eigen::Vector3f normal = (primitive.rotation * unit).cast<float>();
@@ -252,7 +254,7 @@ DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal&
   for (const auto& [to_box, k] : order) {
     const bool is_far = to_box > distances[1];
     const Vector3d proposed = is_far ? Vector3d::Zero() : normal(k, local[k]);
-    // Farther than two others, or nothing is proposed: what the box says holds.
+    // The primitive is farther than two others, or nothing is proposed: the bound by its box is valid.
     if (proposed.isZero(0.0) || !proposed.allFinite()) {
       result.others = std::min(result.others, static_cast<float>(to_box - slack_));
       continue;
@@ -276,7 +278,7 @@ double DistanceField::distance_to_box(const PosedPrimitive& primitive, const Vec
 }
 
 // A point at depth r is the centre of a ball of that radius in the model. About a node near the surface the best balls
-// touch it where the node is nearest, and are as large as fit; which these are is tried.
+// touch the surface where it is nearest to the node, and are as large as possible. The search tries candidates.
 void DistanceField::find_balls(const DistancesUp& distances_up) {
   Grid& fine = grids_.front();
   std::vector<Point> centres;

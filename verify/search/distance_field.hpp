@@ -18,16 +18,18 @@ namespace verisq::verify {
 
 // The one way in which a pose's quaternion becomes a rotation of Eigen's.
 
-/// q/|q|, to a few roundings of its components, whatever the length: Eigen alone squares what it is given, and leaves
-/// a quaternion of length 1e-200 as it is. Precondition: finite, not 0.
+/// q/|q|, to a few roundings of its components, for any length. Eigen alone squares its operand, and does not change a
+/// quaternion of length 1e-200. Precondition: finite, not 0.
 [[nodiscard]] inline Eigen::Quaterniond unit_quaternion(const std::array<double, 4>& quaternion) {
   const auto [w, x, y, z] = near_one(quaternion);
   return Eigen::Quaterniond(w, x, y, z).normalized();
 }
 
-// Boxes of the poses that a fit searches: where they take a point, as the implant sees it (docs/mathematics.md §24).
+// Boxes of the poses that a fit searches, and the places of a point in them, as the implant sees it
+// (docs/mathematics.md §24).
 
-/// The poses x -> exp(ω) R0 (x - c) + t + τ of an implant: R0 a rotation, c its centre, t where the start puts that.
+/// The poses x -> exp(ω) R0 (x - c) + t + τ of an implant: R0 a rotation, c its centre, t the place of c in the start
+/// pose.
 struct PoseSpace {
   Eigen::Matrix3d start_rotation;  ///< R0, to nearest
   Eigen::Vector3d centre;          ///< c
@@ -40,11 +42,11 @@ struct PoseBox {
   PoseParameters half;  ///< >= 0
 };
 
-/// What the poses of a box do to points. With δ the difference to the centre's parameters, |δ| <= half, a point v has
-/// the place x(δ) in the implant's frame, and for every unit vector n
+/// The effect of the poses of a box on points. With δ the difference to the centre's parameters, |δ| <= half, a point v
+/// has the place x(δ) in the implant's frame, and for every unit vector n
 ///     |x(δ) - x(0)| <= reach  and  |n·x(δ) - n·x(0) - slope(n)·δ| <= remainder.
-/// Computed to nearest; both bounds have room for what the roundings of a place and of its slopes lose, where the
-/// coordinates' magnitudes add up to at most `size`: `rounding(size)`.
+/// Computed to nearest. Both bounds have room for the roundings of a place and of its slopes, `rounding(size)`, if the
+/// coordinates' magnitudes add up to at most `size`.
 class PoseBoxMotion {
  public:
   PoseBoxMotion(const PoseSpace& space, const PoseBox& box, double rounding);
@@ -57,17 +59,17 @@ class PoseBoxMotion {
   };
   [[nodiscard]] Place place(const Eigen::Vector3d& v) const;
 
-  /// Of n·x(δ) at the centre.
+  /// The slope of n·x(δ) at the centre.
   [[nodiscard]] PoseParameters slope(const Place& place, const Eigen::Vector3d& normal) const;
 
   [[nodiscard]] const PoseParameters& half() const { return half_; }
 
-  /// Between which `size` has to lie.
+  /// The range in which `size` must lie.
   static constexpr double smallest_size = 0x1p-100;
   static constexpr double largest_size = 0x1p100;
-  /// What fewer than 2^8 roundings of numbers up to `size` make: each is off by at most 2^-53 of it, and what is off
-  /// is multiplied by rotations and by sines only. What underflows is far less: lengths whose squares vanish are below
-  /// 2^-537, and angles below that move points by less than 2^-437, where this is at least 2^-144. No square overflows.
+  /// A bound of fewer than 2^8 roundings of numbers up to `size`. Each is off by at most 2^-53 of it, and errors are
+  /// multiplied by rotations and by sines only. Underflow is far less: lengths whose squares vanish are below 2^-537.
+  /// Angles below that move points by less than 2^-437, while this bound is at least 2^-144. No square overflows.
   [[nodiscard]] static double rounding(double size) { return 0x1p-44 * size; }
 
  private:
@@ -85,11 +87,11 @@ class PoseBoxMotion {
 
 /// A unit normal of a primitive near a point, in the primitive's own frame: a proposal, from which a bound is proven.
 using ProposedNormal = std::function<Eigen::Vector3d(std::size_t primitive, const Eigen::Vector3d& local)>;
-/// No smaller than the signed distance of each point to the model.
+/// Returns upper bounds of the signed distances of the points to the model.
 using DistancesUp = std::function<std::vector<double>(std::span<const Point> points)>;
 
-/// The primitive's signed distance at every x is at least normal·x - offset, because it lies in the half-space where
-/// that is not positive. |normal| is 1 but for roundings. In binary32: many more fit into a cache.
+/// The primitive's signed distance at every x is at least normal·x - offset, because the primitive lies in the
+/// half-space where that is not positive. |normal| is 1 but for roundings. In binary32: many more fit into a cache.
 struct RoundedHalfSpace {
   Eigen::Vector3f normal;
   float offset;
@@ -101,18 +103,18 @@ struct RoundedHalfSpace {
 /// A ball in the model: the signed distance of x is at most |x - centre| - radius.
 struct InnerBall {
   Eigen::Vector3d centre;
-  double radius;  ///< negative: there is none
+  double radius;  ///< negative: there is no ball
 };
 
-/// Nested grids of nodes about the model, finer where it is. Each node knows the half-spaces of the two primitives
-/// nearest to it and how far the others are, those of the finest grid a ball, too. What they say holds everywhere; near
-/// the node it is tight.
+/// Nested grids of nodes about the model, finer near it. Each node stores the half-spaces of the two nearest primitives
+/// and a lower bound of the distance of the others. A node of the finest grid also stores a ball. These bounds are
+/// valid everywhere, and tight near the node.
 class DistanceField {
  public:
   struct Node {
     std::array<RoundedHalfSpace, 2> nearest;
     float others;       ///< no larger than the distance of the node to any other primitive
-    std::int32_t ball;  ///< index, -1 where there is none
+    std::int32_t ball;  ///< index, -1 if there is none
   };
   struct Found {
     const Node& node;
@@ -135,7 +137,7 @@ class DistanceField {
   struct Grid {
     Eigen::Vector3d lower;
     double spacing;
-    double per_length;  ///< of nodes
+    double per_length;  ///< number of nodes per length
     std::array<std::int32_t, 3> count;
     std::vector<Node> nodes;
 
@@ -148,7 +150,7 @@ class DistanceField {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
     Eigen::Vector3d focus;       ///< about which the support function is, in the frame of the model
-    Eigen::Vector3d half_sides;  ///< of its box, rounded up
+    Eigen::Vector3d half_sides;  ///< half the sides of its box, rounded up
   };
 
   [[nodiscard]] Grid grid(double margin, double spacing) const;
@@ -157,10 +159,10 @@ class DistanceField {
   [[nodiscard]] RoundedHalfSpace half_space(const PosedPrimitive& primitive, const Eigen::Vector3d& local_normal) const;
 
   std::vector<PosedPrimitive> primitives_;
-  Eigen::Vector3d lower_, upper_;  ///< of the model's box
+  Eigen::Vector3d lower_, upper_;  ///< corners of the model's box
   double smallest_;                ///< semi-axis
-  double rounding_;                ///< of binary64
-  double slack_;                   ///< of binary32
+  double rounding_;                ///< error bound of binary64
+  double slack_;                   ///< error bound of binary32
   std::vector<Grid> grids_;        ///< from fine to coarse
   std::vector<InnerBall> balls_;
 };

@@ -94,7 +94,7 @@ double DisplacedPoint::support(const Vector3<double>& n) const {
 
 bool DisplacedPoint::avoids(const Point& centre, double radius) const {
   const Vector3<double> from_point = exact(centre) - point_;
-  // Of a box of translations and of a disc across the arm: the ways out of each, and of both.
+  // The ways out of a box of translations, out of a disc across the arm, and out of both.
   Vector3<double> out_of_box;
   Vector3<double> along_arm = arm_;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -107,8 +107,8 @@ bool DisplacedPoint::avoids(const Point& centre, double radius) const {
          separates(from_point, from_point, radius);
 }
 
-/// The turned arm moves by sin θ (a × u), in a disc across the arm, which a polygon of twelve corners contains, and by
-/// a vector of at most κ²/2 |u|, for which the box of translations is enlarged.
+/// The turned arm moves by sin θ (a × u) and by a vector of at most κ²/2 |u|. The former lies in a disc across the arm,
+/// which a polygon of twelve corners contains. The box of translations is enlarged for the latter.
 void DisplacedPoint::append_cover(std::vector<Point>& points) const {
   constexpr unsigned corners = cover_size / 8;
   const double turn = turn_.upper();
@@ -130,10 +130,10 @@ void DisplacedPoint::append_cover(std::vector<Point>& points) const {
   }
 }
 
-/// A corner's coordinate is made of fewer than 64 operations on numbers that are at most 4 (|p| + |u| + reach) large,
-/// each of which rounds by 2⁻⁵³ of its result: together less than 2⁻⁴⁵ of that sum a coordinate. Directions are about 1
-/// long, made of numbers about 1. A result below 2⁻¹⁰²² rounds by at most 2⁻¹⁰⁷⁵ instead, and what follows makes that
-/// at most 16 times as large: together less than 2⁻¹⁰⁶⁵, far below the smallest normal number.
+/// A corner's coordinate results from fewer than 64 operations on numbers that are at most 4 (|p| + |u| + reach) large.
+/// Each rounds by 2⁻⁵³ of its result: together less than 2⁻⁴⁵ of that sum a coordinate. Directions have a length of
+/// about 1 and result from numbers of about 1. A result below 2⁻¹⁰²² rounds by at most 2⁻¹⁰⁷⁵ instead, and later
+/// operations make that at most 16 times as large: together less than 2⁻¹⁰⁶⁵, far below the smallest normal number.
 double DisplacedPoint::cover_error() const {
   const Interval from_origin = distance({point_[0].lower(), point_[1].lower(), point_[2].lower()}, {});
   const Interval size = from_origin + arm_length_ + Interval(reach_);
@@ -160,21 +160,21 @@ using Eigen::Vector3d;
 
 /// Room for the roundings of one point's terms.
 constexpr double kTermRounding = 0x1p-46;
-/// Of the limit at the points, the tightest.
+/// The number of points whose limit serves as a constraint: the tightest ones.
 constexpr std::ptrdiff_t kMostConstraints = 32;
-/// Clusters are taken whole where the box moves them by more than so many of their radii, or where they are as far off:
-/// what they cost is of the square of that.
+/// A cluster is taken whole if its radius is at most this share of the box's movement, or of the cluster's distance.
+/// The loss is of the order of the share's square.
 constexpr double kClusterByReach = 0.5;
 constexpr double kClusterByDistance = 0.2;
 
-/// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
-/// fitness say something already: next to nothing.
+/// If ranges of fitness already tell directions apart, this share of the points' movement, times the steepest slope of
+/// fitness, is added: next to nothing.
 constexpr double kShareOfMovement = 1e-6;
 
-/// More than what underflows in thousands of operations.
+/// More than the underflow in thousands of operations.
 constexpr double kUnderflow = 0x1p-1000;
 
-/// Σ λ c + Σ half |objective + Σ λ a|, rounded up: what no δ of the box that keeps the constraints exceeds.
+/// Σ λ c + Σ half |objective + Σ λ a|, rounded up: no δ of the box that keeps the constraints has a larger objective.
 double dual_value(const PoseParameters& objective, const PoseParameters& half,
                   std::span<const LinearConstraint> constraints, std::span<const double> multipliers) {
   double constant = 0.0;
@@ -191,7 +191,7 @@ double dual_value(const PoseParameters& objective, const PoseParameters& half,
 
 }  // namespace
 
-/// What the points of one box add up to.
+/// The sums over the points, for one box.
 class FitBoxBound::Sum {
  public:
   Sum(const FitBoxBound& bound, const PoseBoxMotion& motion)
@@ -206,7 +206,7 @@ class FitBoxBound::Sum {
       std::ranges::nth_element(constraints_, constraints_.begin() + kMostConstraints, {}, &LinearConstraint::tightness);
       constraints_.resize(kMostConstraints);
     }
-    // Whether the constraints leave anything does not depend on the objective.
+    // The objective does not matter to whether any pose keeps the constraints.
     return !excluded(shares_of_nearest_.cwiseQuotient(motion_.half()));
   }
 
@@ -225,7 +225,7 @@ class FitBoxBound::Sum {
     // Sums of no more terms than points, each of a few roundings of numbers that add up to the magnitude.
     const auto points = static_cast<double>(bound_.points_);
     const double lost = (points * 0x1p-51 + kTermRounding) * magnitude_ + kUnderflow;
-    // Where every point may serve as well as can be, ranges of fitness do not tell which direction matters.
+    // If every point may have the best fitness, ranges of fitness cannot decide which direction matters.
     const bool says_nothing = !(least + lost < bound_.weight_);
     const double share = says_nothing ? 1.0 : kShareOfMovement;
     return {.upper = std::min(least + lost, bound_.weight_),
@@ -235,7 +235,7 @@ class FitBoxBound::Sum {
   }
 
  private:
-  /// By how far each direction moves the points, weighted, at most and about.
+  /// About the largest weighted movement of the points by each direction.
   [[nodiscard]] PoseParameters movement() const {
     PoseParameters movement = motion_.half();
     movement.head<3>() *= bound_.weight_;
@@ -259,7 +259,7 @@ class FitBoxBound::Sum {
     return false;
   }
 
-  /// Whether the cluster is too coarse.
+  /// Returns true if the cluster is too coarse; else adds it.
   bool add(const PointCluster& cluster) {
     const PoseBoxMotion::Place place = motion_.place(cluster.centre);
     const DistanceField::Found found = bound_.field_.near(place.point);
@@ -287,7 +287,8 @@ class FitBoxBound::Sum {
 
     FitnessLine line = fitness_line_above(bound_.fitness_, middle, half + cluster.radius);
     if (middle + half > others - 2.0 * cluster.radius) {
-      // Another primitive may be nearer: no more than the steepest fitness times what it is nearer by.
+      // Another primitive may be nearer: the fitness rises by no more than its steepest slope times the difference in
+      // distance.
       const PoseParameters by_second = motion_.slope(place, second.direction()) - by_pose;
       const double nearer_second = distance - of_second + by_second.cwiseAbs().dot(motion_.half()) +
                                    (first.direction() - second.direction()).norm() * cluster.radius;
@@ -299,12 +300,13 @@ class FitBoxBound::Sum {
     slope_ += cluster.weight * line.slope * by_pose;
     arms_ += cluster.weight * (place.arm.norm() + cluster.radius);
     magnitude_ += cluster.weight * (1.0 + std::abs(line.slope) * (half + cluster.radius));
-    // What the range of distances costs, shared by the directions that make it.
+    // The loss by the range of distances, shared by the directions that cause it.
     if (half > 0.0) spread_ += cluster.weight * (by_range - at_centre) / half * shares;
     return false;
   }
 
-  /// A pose that keeps the limit has no point in a ball that much smaller. False: every pose of the box has this one.
+  /// A pose that keeps the limit has no point in a ball that is smaller by the limit. False: in every pose of the box
+  /// this point lies in it.
   bool constrain(const PoseBoxMotion::Place& place, const InnerBall& ball) {
     const Eigen::Vector3d from_ball = place.point - ball.centre;
     const double length = from_ball.norm();
@@ -325,7 +327,7 @@ class FitBoxBound::Sum {
     return true;
   }
 
-  /// Whether the constraints leave no pose of the box.
+  /// Returns whether the constraints are proven to exclude every pose of the box.
   [[nodiscard]] bool excluded(const PoseParameters& objective) const {
     const Multipliers found = multipliers(objective, motion_.half(), constraints_);
     return found.ray && excludes(found);

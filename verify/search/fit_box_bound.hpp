@@ -21,7 +21,7 @@ namespace verisq::verify {
 
 // A straight line above the fitness over a range of distances.
 
-/// f(max(d, target)): no smaller than f, and falls or stays with d. But for a few 2^-53.
+/// f(max(d, target)): no smaller than f, and does not rise with d. Accurate to a few 2^-53.
 [[nodiscard]] inline double falling_fitness(const Fitness& fitness, double distance) {
   const double u = std::max(distance - fitness.target, 0.0) / fitness.scale;
   return 1.0 / (1.0 + u * u);
@@ -39,10 +39,10 @@ struct FitnessLine {
 };
 
 // With u = (d - target)/scale, g(u) = 1/(1 + max(u, 0)²) is concave up to 1/√3 and convex beyond. Its concave envelope
-// over [l, v] is g up to t, where the tangent runs through (v, g(v)), and that straight line from there: the tangency
-// is (t - v)²(t² + 2vt - 1) = 0, of which t = 1/(v + √(1 + v²)) is the root below v where v > 1/√3; elsewhere t >= v
-// and g is concave all along. Where l lies beyond t the chord of l and v is the envelope. Any line that supports the
-// envelope at a point of it lies above g: here at the middle.
+// over [l, v] is g up to t, where the tangent runs through (v, g(v)), and that straight line from there. The tangency
+// is (t - v)²(t² + 2vt - 1) = 0. Its root below v is t = 1/(v + √(1 + v²)) if v > 1/√3; otherwise t >= v and g is
+// concave all along. If l lies beyond t, the chord of l and v is the envelope. Any line that supports the envelope at a
+// point lies above g: here at the middle.
 [[nodiscard]] inline FitnessLine fitness_line_above(const Fitness& fitness, double middle, double half) {
   const double m = (middle - fitness.target) / fitness.scale;
   const double h = half / fitness.scale;
@@ -73,14 +73,14 @@ struct WeightedPoint {
 struct PointCluster {
   Eigen::Vector3d centre;
   double radius;         ///< rounded up
-  double weight;         ///< of all, to nearest
+  double weight;         ///< sum of the weights, to nearest
   std::uint32_t second;  ///< index of the second child; the first follows its parent; 0: a leaf
 };
 
 /// The root is the first. Precondition: at least one point.
 [[nodiscard]] std::vector<PointCluster> point_clusters(std::span<const WeightedPoint> points);
 
-// Where a point may lie as a model sees it whose pose is known within bounds (docs/mathematics.md §27).
+// The places of a point as seen by a model whose pose is known within bounds (docs/mathematics.md §27).
 
 /// The places E⁻¹(p) of a point p, E any of the uncertain motions.
 class DisplacedPoint {
@@ -94,7 +94,7 @@ class DisplacedPoint {
   /// Half the edges of a box about the point that contains all places: rounded up.
   [[nodiscard]] const std::array<double, 3>& half_extent() const { return half_extent_; }
 
-  /// Whether it is proven that no place is within `radius` of `centre`.
+  /// Returns whether it is proven that no place is within `radius` of `centre`.
   [[nodiscard]] bool avoids(const Point& centre, double radius) const;
 
   /// n·y is at most this for every place point + y, and every n of the box: rounded up.
@@ -113,7 +113,7 @@ class DisplacedPoint {
   Vector3<double> arm_;  ///< from the centre to the point
   Interval turn_;        ///< κ
   Interval arm_length_;
-  Interval shift_length_;  ///< of the longest translation
+  Interval shift_length_;  ///< length of the longest translation
   double reach_;
   std::array<double, 3> half_extent_{};
 };
@@ -121,13 +121,14 @@ class DisplacedPoint {
 /// The farthest that the motions take any point of the box about a model, itself or seen from it: rounded up.
 [[nodiscard]] double reach_of(const PoseUncertainty& bounds, const Model& model);
 
-// No pose of a box that keeps the limit has a larger objective than this (docs/mathematics.md §24).
+// Bounds the objective over all poses of a box that keep the limit (docs/mathematics.md §24).
 
 struct FitBoxResult {
-  double upper;           ///< F of every pose of the box that keeps the limit at the points; -infinity: none does
+  double upper;  ///< bound of F for every pose of the box that keeps the limit at the points; -infinity: no pose does
   double estimate;        ///< F at the centre, about; no proof
   double deepest;         ///< of a point at the centre, about; no proof
-  PoseParameters spread;  ///< what each parameter adds to the bound, about: the widest is to be divided
+  PoseParameters spread;  ///< about each parameter's contribution to the bound: the parameter with the widest is to be
+                          ///< divided
 
   /// No pose keeps the limit.
   [[nodiscard]] static FitBoxResult nothing() {

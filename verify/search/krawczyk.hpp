@@ -70,8 +70,8 @@ struct SystemExpansion {
   IntervalMatrix<N> jacobian;
 };
 
-/// A function F of N variables, N values. Where F is not differentiable on all of a box, the Jacobian must be unbounded
-/// or std::domain_error be thrown.
+/// A function F of N variables, N values. If F is not differentiable on all of a box, the Jacobian must be unbounded or
+/// std::domain_error be thrown.
 template <class System, int N>
 concept ExpandableSystem = requires(const System& system, const IntervalVector<N>& box) {
   { system(box) } -> std::same_as<SystemExpansion<N>>;
@@ -79,7 +79,7 @@ concept ExpandableSystem = requires(const System& system, const IntervalVector<N
 
 namespace krawczyk_details {
 
-/// Whether every component of `inner` lies in the interior of its counterpart.
+/// Returns whether every component of `inner` lies in the interior of its counterpart.
 template <int N>
 [[nodiscard]] bool in_interior(const IntervalVector<N>& inner, const IntervalVector<N>& outer) {
   for (int i = 0; i < N; ++i) {
@@ -129,11 +129,12 @@ template <int N>
 
 }  // namespace krawczyk_details
 
-/// A box about `x` that contains exactly one zero of F; nothing where that is not proven. With m = x, any matrix Y and
-/// the Jacobians J(V) over a box V about m,
+/// A box about `x` that contains exactly one zero of F; nothing if that is not proven. With m = x, any matrix Y and the
+/// Jacobians J(V) over a box V about m,
 ///     K(V) = m - Y F(m) + (I - Y J(V)) (V - m)
-/// contains every zero of F in V (mean value theorem, row by row), and if it lies in the interior of V there is exactly
-/// one, and it lies in K(V) (Krawczyk 1969, Moore 1977). `x` should be near a zero: a few Newton steps refine it first.
+/// contains every zero of F in V (mean value theorem, row by row). If it lies in the interior of V, there is exactly
+/// one zero, and it lies in K(V) (Krawczyk 1969, Moore 1977). `x` should be near a zero: a few Newton steps refine it
+/// first.
 template <int N, ExpandableSystem<N> System>
 [[nodiscard]] std::optional<IntervalVector<N>> krawczyk(const System& system,
                                                         const std::array<Real, static_cast<std::size_t>(N)>& x) {
@@ -166,11 +167,11 @@ template <int N, ExpandableSystem<N> System>
   return std::nullopt;
 }
 
-/// Whether `box` is proven to contain no two zeros of F. Of two, a and b, the mean value theorem says, row by row,
-/// 0 = Y (F(a) - F(b)) = Y J (a - b) with a J of J(V) over the box V, hence a - b = (I - Y J)(a - b) for any matrix Y;
-/// but that map makes |x| = max |x_i| / w_i smaller, whatever w > 0 is, if |I - Y J(V)| w < w. The w are proposed: the
-/// widths of the box, then what the matrix makes of them, which tends to its Perron vector. `centre` is a point of the
-/// box about whose Jacobian Y is chosen.
+/// Returns whether `box` is proven to contain no two zeros of F. For two zeros a and b, the mean value theorem gives,
+/// row by row, 0 = Y (F(a) - F(b)) = Y J (a - b) with a J of J(V) over the box V. Hence a - b = (I - Y J)(a - b) for
+/// any matrix Y. But that map makes |x| = max |x_i| / w_i smaller, for any w > 0, if |I - Y J(V)| w < w. The w are
+/// proposed: the widths of the box, then the products of the matrix with them, which tend to its Perron vector.
+/// `centre` is a point of the box about whose Jacobian Y is chosen.
 template <int N, ExpandableSystem<N> System>
 [[nodiscard]] bool contains_at_most_one_zero(const System& system, const IntervalVector<N>& centre,
                                              const IntervalVector<N>& box) {
@@ -219,9 +220,9 @@ class ProjectionEquations {
         has_flat_faces_(solid.exponents[0] == 2.0 || solid.exponents[1] == 2.0),
         q_(q) {}
 
-  /// g and its derivatives over a box. Throws std::domain_error where they are not defined on all of it. Between its
-  /// planes of symmetry the gauge with an exponent p = 1 is smooth, and the formula of its Hessian does not tell that
-  /// it has a kink in them.
+  /// g and its derivatives over a box. Throws std::domain_error if they are not defined on all of it. Between its
+  /// planes of symmetry the gauge with an exponent p = 1 is smooth; the formula of its Hessian does not show the kinks
+  /// in those planes.
   [[nodiscard]] NormExpansion<PreciseInterval> gauge(const PreciseVector& p) const {
     for (std::size_t k = 0; k < 3 && has_flat_faces_; ++k) {
       if (!(p[k].lower() > Real(0)) && !(p[k].upper() < Real(0))) throw std::domain_error("gauge: an edge");

@@ -15,9 +15,9 @@ namespace verisq::verify {
 namespace {
 
 constexpr std::size_t pieces_a_task = 1024;
-/// A piece so small is not halved any more: what is left is rounding.
+/// A piece smaller than this is not halved any more: the remaining width is rounding.
 constexpr double smallest_in_displacements = 8.0;
-/// Convexity is asked about where the solid is nearer than so many radii of the piece: elsewhere distances alone do.
+/// Convexity is tested if the solid is nearer than so many radii of the piece; elsewhere distances alone are enough.
 constexpr double near_in_radii = 4.0;
 
 struct Leaf {
@@ -142,7 +142,8 @@ class MeshSearch::Pieces {
     return true;
   }
 
-  /// Asks for the centres and bounds what lies about them. False where it ended early: the leaves are of no use then.
+  /// Computes the distances of the centres and the bounds about them. False if it ended early: then the leaves are
+  /// unusable.
   [[nodiscard]] bool complete(std::vector<Leaf>& leaves) {
     std::vector<Point> points(leaves.size());
     std::vector<std::uint32_t> triangles(leaves.size());
@@ -169,7 +170,7 @@ class MeshSearch::Pieces {
     });
   }
 
-  /// What was proven of a larger piece holds of its parts; but their means are their own.
+  /// Bounds proven for a larger piece are valid for its parts; but the parts' means are their own.
   void bound(Leaf& leaf) const {
     const auto what = [] { return "distances on a triangle and on its part"; };
     const PieceShape shape = shape_of(leaf.piece.corners, displacement_[leaf.piece.triangle]);
@@ -180,8 +181,8 @@ class MeshSearch::Pieces {
     leaf.distances.affine = own.affine;
   }
 
-  /// Where all primitives but one are proven so far that no ball about a point of the piece which reaches no farther
-  /// than the solid meets them, the signed distance is that to this one.
+  /// If all primitives but one are proven to be far, the signed distance is the distance to that one. Far means: no
+  /// ball about a point of the piece that reaches no farther than the solid meets them.
   [[nodiscard]] bool find_convex(std::vector<Leaf>& leaves) {
     if (search_.to_primitives.empty()) return true;
     std::vector<std::size_t> open;
@@ -303,7 +304,7 @@ class MeshSearch::Pieces {
     return regions;
   }
 
-  /// Those of which it is least known how much is no farther.
+  /// Chooses the pieces with the least known share of points no farther than `distance`.
   void choose_for_share(const std::vector<std::size_t>& region, double distance, double width,
                         std::vector<bool>& chosen) const {
     double area = 0.0;

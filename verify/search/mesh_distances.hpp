@@ -16,11 +16,11 @@
 
 namespace verisq::verify {
 
-// What the searches of docs/mathematics.md §20 are given: who encloses signed distances, who works in parallel, how
-// narrow results shall be, and when to end.
+// The inputs of the searches of docs/mathematics.md §20: enclosures of signed distances, parallel work, the required
+// widths of results, and when to end.
 
-/// Fills each row with an enclosure of the signed distance of its point, to a model or to one primitive of it. False
-/// where it ended early: the rows mean nothing then. Precondition: as many rows as points.
+/// Fills each row with an enclosure of the signed distance of its point, to a model or to one primitive of it. False if
+/// it ended early: then the rows are meaningless. Precondition: as many rows as points.
 using SignedDistances = std::function<bool(std::span<const Point> points, std::span<Enclosure> rows)>;
 
 /// Calls work(i) once for each i below `count`, in any order, by several threads.
@@ -30,29 +30,30 @@ struct DeviationSearch {
   SignedDistances to_model;
   /// To each primitive by itself; empty unless the model is a union of several convex ones.
   std::vector<SignedDistances> to_primitives = {};
-  /// To each primitive by itself, whatever the model is; empty where it has one and no set operations.
+  /// To each primitive by itself, for any model; empty if the model has one primitive and no set operations.
   std::vector<SignedDistances> to_each_primitive = {};
   bool convex = false;                    ///< the model is one convex primitive
-  std::function<double(double)> allowed;  ///< how wide an enclosure with this lower end may be; rises with it
+  std::function<double(double)> allowed;  ///< the allowed width of an enclosure with this lower end; rises with it
   Parallel in_parallel;
   std::function<bool()> ended;             ///< polled; once true it stays so
-  std::function<void(double)> progress;    ///< how much is done, from 0 to 1, about
-  std::uint64_t most_samples = 1U << 24U;  ///< distances asked for, about
+  std::function<void(double)> progress;    ///< called with the approximate share of the work done, from 0 to 1
+  std::uint64_t most_samples = 1U << 24U;  ///< limit of the number of distances, about
 };
 
-// How far the triangles of a mesh lie from the boundary of a solid: at most, in the mean, and percentiles
+// The distances of a mesh's triangles from the boundary of a solid: the largest, the mean, and percentiles
 // (docs/mathematics.md §20).
 
 struct MeshDistances {
   Enclosure largest;  ///< the supremum
-  Point where{};      ///< a point of the mesh within rounding of it is `largest.lo` away
+  Point where{};  ///< this point is `largest.lo` away from the boundary; a point of the mesh lies within rounding of it
   std::optional<Enclosure> mean = {};
   std::vector<Enclosure> percentiles = {};
   std::uint64_t samples = 0;
   bool ended = false;  ///< early: everything is valid, and something wide
 };
 
-/// Parts of a mesh that are measured by themselves, too: the region of each triangle, below `count`. None: empty, 0.
+/// Parts of a mesh that are also measured by themselves: the region of each triangle, below `count`. Without regions:
+/// empty, 0.
 struct MeshRegions {
   std::span<const std::uint32_t> region_of = {};
   std::size_t count = 0;
@@ -75,16 +76,16 @@ class MeshSearch {
 
   /// Until of each region the share of its area that is no farther than `distance` is no wider than `width`.
   void search_within(double distance, double width);
-  /// Of each region; of one without triangles all are 0.
+  /// The areas of each region; all are 0 for a region without triangles.
   [[nodiscard]] std::vector<AreaWithin> within_by_region(double distance) const;
-  /// Of all of them.
+  /// The areas of the whole mesh.
   [[nodiscard]] AreaWithin within(double distance) const;
 
-  /// Of each region, `largest`, `where` and `mean`: its largest is as narrow as that of all if `search_largest` was not
-  /// ended, its mean as it came. Of a region without triangles all are 0.
+  /// For each region, `largest`, `where` and `mean`. Its largest is as narrow as that of the whole mesh if
+  /// `search_largest` was not ended; its mean may be wide. All are 0 for a region without triangles.
   [[nodiscard]] std::vector<MeshDistances> found_by_region() const;
 
-  /// What is known by now; mean and percentiles only after the search for them.
+  /// The results so far; mean and percentiles only after the search for them.
   [[nodiscard]] MeshDistances found() const;
 
  private:

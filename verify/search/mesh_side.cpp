@@ -20,7 +20,7 @@ namespace verisq::verify {
 namespace {
 
 constexpr std::size_t pieces_a_task = 256;
-/// A piece so small is not halved any more: what is left is rounding.
+/// A piece smaller than this is not halved any more: the remaining width is rounding.
 constexpr double smallest_in_displacements = 8.0;
 
 /// A part of a triangle and, solid by solid, the signed distances at its corners and its centre.
@@ -34,14 +34,14 @@ struct OpenPiece {
 
 enum class Finding : std::uint8_t { open, settled, astray };
 
-/// Some of the solids: pieces are settled by any of them.
+/// The pieces for some of the solids: any of these solids settles a piece.
 class SidePieces {
  public:
   SidePieces(const Mesh& mesh, SolidSide side, const SideSearch& search, std::span<const std::size_t> solids,
              MeshSide& found)
       : mesh_(mesh), side_(side), search_(search), solids_(solids), found_(found), states_(mesh.triangles.size()) {}
 
-  /// What is known of each triangle.
+  /// The finding for each triangle.
   std::vector<Finding> operator()() {
     if (!ask_vertices()) return states_;
     open_triangles();
@@ -72,7 +72,7 @@ class SidePieces {
     return true;
   }
 
-  /// How far a sample is astray, from above: beyond the solid it lies in, or beyond the nearest of all.
+  /// An upper bound of how far a sample is astray: beyond the solid that contains it, or beyond the nearest of all.
   [[nodiscard]] double excess(std::span<const Enclosure> rows) const {
     double least_low = infinity;
     double least_high = infinity;
@@ -113,7 +113,7 @@ class SidePieces {
     count_open();
   }
 
-  /// Of vertices that no triangle uses nothing is told.
+  /// Vertices that no triangle uses are ignored.
   void note_corners(std::vector<bool> astray, const std::vector<std::vector<Enclosure>>& rows) {
     for (const auto& triangle : mesh_.triangles) {
       for (const std::uint32_t corner : triangle) {
@@ -123,7 +123,7 @@ class SidePieces {
     }
   }
 
-  /// Of a whole triangle, whose corners are exact.
+  /// For a whole triangle, whose corners are exact.
   [[nodiscard]] bool settled_by_corners(const OpenPiece& piece) const {
     const double longest = shape_of(piece.corners, displacement(piece.corners)).longest;
     for (std::size_t k = 0; k < solids_.size(); ++k) {
@@ -177,7 +177,7 @@ class SidePieces {
     return false;
   }
 
-  /// Drops what is settled, and the other parts of triangles that are astray.
+  /// Drops the settled pieces, and the other parts of triangles that are astray.
   void judge() {
     std::vector<Finding> findings(open_.size(), Finding::open);
     const std::size_t tasks = (open_.size() + pieces_a_task - 1) / pieces_a_task;
@@ -250,7 +250,7 @@ class SidePieces {
   std::vector<OpenPiece> open_;
 };
 
-/// Of both: a triangle is settled where both settle it.
+/// The finding of both: a triangle is settled if both settle it.
 Finding worse(Finding a, Finding b) {
   if (a == Finding::astray || b == Finding::astray) return Finding::astray;
   return a == Finding::open || b == Finding::open ? Finding::open : Finding::settled;
@@ -277,7 +277,7 @@ MeshSide mesh_side(const Mesh& mesh, SolidSide side, const SideSearch& search) {
 
 namespace {
 
-/// To nearest: for a proposal.
+/// Rounded to nearest: for a proposal.
 PlacedSuperquadric placed_in_model(const PosedSuperquadric& posed) {
   const auto nearest = [](const PreciseInterval& x) { return static_cast<double>(x.lower().to_long_double()); };
   PlacedSuperquadric placed{.solid = posed.superquadric(), .rotation = {}, .offset = {}};

@@ -28,8 +28,8 @@ namespace {
 struct Sphere {
   Point centre;
   double radius;
-  double size;   ///< of the numbers at hand
-  double width;  ///< of the enclosure of the centre: more than rounding where large numbers cancel in it
+  double size;   ///< magnitude of the numbers involved
+  double width;  ///< width of the enclosure of the centre: more than rounding if large numbers cancel in it
 };
 
 Sphere sphere_of(const PreciseVector& centre, const PreciseInterval& radius) {
@@ -48,10 +48,10 @@ double between_centres(const Sphere& a, const Sphere& b) {
   return length(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
 }
 
-/// Of lengths computed from two spheres. With u = 2^-53 and s the sum of both sizes: beyond the widths of the
-/// enclosures, centres and radii are rounded by 2 u s in all, differences by u s, the length of three of them by 8 u s
-/// (length.hpp), the sum with the radii by 2 u s, and this sum by less than what it adds: less than 2^5 u s. Subnormal
-/// numbers round by less than the last term.
+/// The rounding error of lengths computed from two spheres. With u = 2^-53 and s the sum of both sizes: beyond the
+/// widths of the enclosures, centres and radii are rounded by 2 u s in all, differences by u s. The length of three of
+/// them is rounded by 8 u s (length.hpp), the sum with the radii by 2 u s, and this sum by less than the amount that it
+/// adds: less than 2^5 u s. Subnormal numbers round by less than the last term.
 double rounding_error(const Sphere& a, const Sphere& b) {
   return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
 }
@@ -76,7 +76,7 @@ NearPairs near_pairs(const PosedPairs& pairs) {
       const Sphere& a = of_a[i];
       const Sphere& b = of_b[j];
       const double lower = between_centres(a, b) - a.radius - b.radius - rounding_error(a, b);
-      // Also where overflow leaves no number.
+      // Also taken if overflow leaves no number.
       if (!(lower > nearest_centres)) {
         result.pairs.push_back({i, j});
       } else {
@@ -112,13 +112,13 @@ Placement placement_of(const PosedPairs& pairs, std::size_t j) {
   return placement;
 }
 
-// A point of the primitive is c + R x, |x| <= r, and moves by at most |c' - c| + |R' - R| r, where the largest singular
-// value of R' - R is at most the root of the sum of its squared entries. With u = 2^-53, s = |c|_1 + r of either
-// placement and S the sum of both: beyond the widths, coordinates and entries are rounded to binary64 by 2 u of
-// themselves, of which entries are at most 1, so that c' - c is off by 3 u S and each of the nine entries of R' - R by
-// 6 u, their root by 18 u; length (length.hpp) adds 8 u S twice and more for the entries, whose three lengths have one
-// in turn: by 32 u in all. Times r these are less than 2^6 u S. The factor of the widths covers their own rounding.
-// Subnormal numbers round by less than the last term.
+// A point of the primitive is c + R x, |x| <= r, and moves by at most |c' - c| + |R' - R| r. The largest singular value
+// of R' - R is at most the root of the sum of its squared entries. With u = 2^-53, s = |c|_1 + r of either placement
+// and S the sum of both: beyond the widths, coordinates and entries are rounded to binary64 by 2 u of themselves;
+// entries are at most 1. So c' - c is off by 3 u S and each of the nine entries of R' - R by 6 u, their root by 18 u.
+// length (length.hpp) adds 8 u S, and at most twice as much for the entries, whose three lengths have a length in turn:
+// 32 u in all. Times r these are less than 2^6 u S. The factor of the widths covers their own rounding. Subnormal
+// numbers round by less than the last term.
 double displacement_up(const Placement& from, const Placement& to) {
   const Point& c = from.centre;
   const Point& d = to.centre;
@@ -160,7 +160,7 @@ using namespace verify;
 
 namespace {
 
-/// Where the fast proposal leaves more than this, relative to the largest length at hand, a thorough one is worth it.
+/// If the fast proposal leaves more than this, relative to the largest length involved, a thorough one is worth it.
 constexpr double kExpectedWidth = 1e-14;
 
 struct PairResult {
@@ -176,7 +176,7 @@ class PairQuery {
 
   [[nodiscard]] PairResult fast() const { return result(fast_pair_contact(solid_a(), solid_b(), bounds_.relative())); }
 
-  /// The better ends of both.
+  /// The better ends of the fast and the thorough result.
   [[nodiscard]] PairResult thorough(const PairResult& fast) const {
     PairResult found = result(thorough_pair_contact(solid_a(), solid_b(), bounds_.relative()));
     if (fast.distance.lo > found.distance.lo) {
@@ -191,7 +191,7 @@ class PairQuery {
     return found;
   }
 
-  /// What widths are measured against: no rounding is finer than that of the largest length.
+  /// The reference length of widths: no rounding is finer than that of the largest length.
   [[nodiscard]] double magnitude(const PairResult& found) const {
     return std::max({std::ranges::max(solid_a().semi_axes), std::ranges::max(solid_b().semi_axes), found.distance.hi});
   }
@@ -205,7 +205,7 @@ class PairQuery {
     if (contact.common) {
       const PreciseVector x = verify::precise(*contact.common);
       r.common = rounded(midpoint(pairs_->motion_a(i_)(x)));
-      // Where rounding keeps it from being proven, the nearest points of both are next to it.
+      // If rounding prevents its proof, the nearest points of both solids are next to it.
       r.separation = {i_, j_, {}, rounded(*contact.common), rounded(midpoint(bounds_.relative().inverse()(x)))};
     }
     r.distance = bounds_.distance(r.separation);
@@ -218,7 +218,7 @@ class PairQuery {
   PairBounds bounds_;
 };
 
-/// A pair that may be the nearest, and what is found of it.
+/// A pair that may be the nearest, and the result found for it.
 struct LookedAt {
   PairQuery query;
   PairResult found;
@@ -248,7 +248,7 @@ Proximity proximity_of(const Enclosure& distance) {
   return distance.hi == 0.0 ? Proximity::overlapping : Proximity::undecided;
 }
 
-/// To multiples of a power of two: where solids touch at a point of few digits, rounding has hidden it.
+/// Rounds to multiples of a power of two: if solids touch at a point of few digits, rounding has hidden it.
 Point snapped(const Point& x, double unit) {
   return {std::round(x[0] / unit) * unit, std::round(x[1] / unit) * unit, std::round(x[2] / unit) * unit};
 }
@@ -267,8 +267,8 @@ std::optional<Point> touching_point(const PosedPairs& pairs, std::span<const Loo
   return std::nullopt;
 }
 
-/// As PairDistance says, of exact models. Which pairs are passed over changes nothing but the time: none of them is
-/// nearer than what is found.
+/// As defined by PairDistance, for exact models. The choice of the skipped pairs affects only the time: none of them is
+/// nearer than the result.
 ModelDistance exact_distance(const PosedPairs& pairs, PairMemory& memory, const std::function<bool()>& interrupted) {
   memory.look_at(pairs);
   const NearPairs near = near_pairs(pairs);

@@ -11,7 +11,7 @@
 
 namespace verisq::verify {
 
-// Which pairs of primitives may be the nearest of two models, at a price of nanoseconds each.
+// The pairs of primitives that may be the nearest of two models, found in nanoseconds each.
 
 struct PrimitivePair {
   std::uint32_t a;
@@ -23,33 +23,33 @@ struct NearPairs {
   double others;                     ///< proven: all others are at least so far apart
 };
 
-/// Those whose bounding spheres are not farther apart than the nearest centres, which lie in their primitives.
+/// The pairs whose bounding spheres are not farther apart than the nearest centres, which lie in their primitives.
 [[nodiscard]] NearPairs near_pairs(const PosedPairs& pairs);
 
-// What was proven of pairs of primitives in one pose, for the poses that follow: along a path few of many pairs are
-// ever the nearest, and how far the others are changes by no more than they move.
+// Lower bounds for pairs of primitives in one pose, kept for the poses that follow. Along a path few of many pairs are
+// ever the nearest, and the distances of the others change by no more than their primitives move.
 
-/// Where a primitive of B stands in A's frame, in binary64.
+/// The place of a primitive of B in A's frame, in binary64.
 struct Placement {
   std::array<double, 9> rotation;  ///< row by row
   Point centre;
-  double radius;  ///< of a sphere about it that contains the primitive
-  double size;    ///< of the numbers at hand
-  double width;   ///< by which the exact ones may differ, beyond their rounding to binary64
+  double radius;  ///< radius of a sphere about the centre that contains the primitive
+  double size;    ///< magnitude of the numbers involved
+  double width;   ///< by which the exact numbers may differ, beyond their rounding to binary64
 };
 
 [[nodiscard]] Placement placement_of(const PosedPairs& pairs, std::size_t j);
 
-/// No point of the primitive is farther from where it was. Rounded up.
+/// Upper bound of the distance of any point of the primitive from its former place. Rounded up.
 [[nodiscard]] double displacement_up(const Placement& from, const Placement& to);
 
-/// Of the pairs of two models. Not for several threads at once.
+/// Lower bounds of the pairs of two models. Not for several threads at once.
 class PairMemory {
  public:
   /// Forgets all unless the models have as many primitives as before.
   void look_at(const PosedPairs& pairs);
 
-  /// Lower bound of the distance of a pair where B stands now; 0 where nothing is known. Precondition: `look_at`.
+  /// Lower bound of the distance of a pair at B's present place; 0 if nothing is known. Precondition: `look_at`.
   [[nodiscard]] double lower(PrimitivePair pair) const;
   /// Precondition: `look_at`, and the pair is proven to be at least `lower` apart where B stands now.
   void keep(PrimitivePair pair, double lower);
@@ -61,7 +61,7 @@ class PairMemory {
  private:
   struct Known {
     double lower = 0.0;
-    Placement at{};  ///< of B's primitive then
+    Placement at{};  ///< place of B's primitive for that bound
   };
 
   [[nodiscard]] std::size_t place(PrimitivePair pair) const { return pair.a * now_.size() + pair.b; }

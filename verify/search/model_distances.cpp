@@ -74,7 +74,7 @@ constexpr std::size_t patches_a_task = 256;
 
 struct OpenPatch {
   PatchCell cell;
-  double bound = infinity;  ///< no point of it that belongs to the boundary is farther
+  double bound = infinity;  ///< no point of the patch that belongs to the boundary is farther
   double radius = infinity;
   double of_sample = 0.0;  ///< the sample's distance from the triangles, from below
   Point sample{};
@@ -142,7 +142,8 @@ class PatchSearch {
     });
   }
 
-  /// Drops what is proven off the boundary; what is near it bounds the supremum from below. False where it ended early.
+  /// Drops patches that are proven off the boundary; patches near it bound the supremum from below. False if it ended
+  /// early.
   bool sample() {
     std::vector<Point> points(open_.size());
     for (std::size_t i = 0; i < open_.size(); ++i) points[i] = open_[i].sample;
@@ -192,7 +193,7 @@ class PatchSearch {
   const DeviationSearch& search_;
   std::vector<PatchedSurface> surfaces_;  // one a primitive
   std::vector<OpenPatch> open_;
-  double settled_ = 0.0;  ///< of all patches that are not open any more
+  double settled_ = 0.0;  ///< upper bound for all patches that are not open any more
   double lower_ = 0.0;
   FarthestOfModel found_{};
 };
@@ -209,8 +210,8 @@ constexpr std::size_t parts_a_task = 256;
 
 struct Part {
   PatchCell cell;
-  bool whole = false;  ///< all of it is proven to lie on the boundary
-  WeightedCell weighted = {{0.0, infinity}, {0.0, infinity}, {0.0, infinity}};  ///< of the patch as a whole
+  bool whole = false;  ///< all of the part is proven to lie on the boundary
+  WeightedCell weighted = {{0.0, infinity}, {0.0, infinity}, {0.0, infinity}};  ///< the patch as a whole
   Point sample{};
   double radius = infinity;
 };
@@ -291,8 +292,8 @@ class PatchMeanSearch {
     found_.patches += parts.size();
   }
 
-  /// The distances of the two flat triangles' points, moved to the patch; what was proven of a larger patch holds of
-  /// its parts.
+  /// The distances of the two flat triangles' points, moved to the patch. Bounds that are proven for a larger patch are
+  /// valid for its parts.
   void bound(Part& part) const {
     const PatchedSurface& surface = surfaces_[part.cell.primitive];
     const Patch patch = surface.patch(part.cell);
@@ -304,8 +305,9 @@ class PatchMeanSearch {
     part.weighted.weight = {part.whole ? area.area.lo : 0.0, std::min(largest_weight, area.area.hi)};
   }
 
-  /// Which parts lie on the boundary, which do not. Where no other primitive's surface comes near, all of a part does
-  /// or none; the sample's distance tells. False where it ended early: parts are as before.
+  /// Finds the parts that lie on the boundary, and those that do not. If no other primitive's surface comes near,
+  /// either all of a part lies on it or none; the sample's distance decides. False if it ended early: then parts are
+  /// unchanged.
   [[nodiscard]] bool place(std::vector<Part>& parts) {
     std::vector<std::size_t> open;
     std::vector<Point> points;
@@ -357,7 +359,7 @@ class PatchMeanSearch {
     for (const double percent : percentiles_) found_.percentiles.push_back(distribution.percentile(percent));
   }
 
-  /// Nothing is proven by what is chosen.
+  /// The choice proves nothing.
   [[nodiscard]] std::vector<std::size_t> choose() const {
     std::vector<bool> chosen(parts_.size(), false);
     choose_for_mean(cells_, found_.mean, search_.allowed(found_.mean.lo), chosen);

@@ -14,11 +14,11 @@
 
 namespace verisq::verify {
 
-// Which cells have to be smaller so that a mean, a percentile or a share is known better; nothing is proven by it.
+// Chooses the cells to divide so that a mean, a percentile or a share gets narrower; the choice proves nothing.
 
-/// Each of them marks what leaves most open in `chosen`, and nothing where the enclosure is as narrow as allowed: those
-/// of the mean, of the least distance that a part of all weight does not exceed, of the share within a distance.
-/// Precondition: as many chosen as cells, of which the enclosure is.
+/// Each of them marks in `chosen` the cells that contribute most to the width, and none if the enclosure is as narrow
+/// as allowed. The enclosure is that of the mean, of the percentile of a part of all weight, or of the share within a
+/// distance. Precondition: as many chosen as cells; the enclosure belongs to these cells.
 void choose_for_mean(std::span<const WeightedCell> cells, const Enclosure& mean, double allowed,
                      std::vector<bool>& chosen);
 void choose_for_percentile(std::span<const WeightedCell> cells, const Enclosure& value, double part, double allowed,
@@ -26,12 +26,13 @@ void choose_for_percentile(std::span<const WeightedCell> cells, const Enclosure&
 void choose_for_share(std::span<const WeightedCell> cells, const AreaWithin& within, double distance, double allowed,
                       std::vector<bool>& chosen);
 
-// How far the surface of a model lies from triangles, at most: branch and bound over patches that cover it
+// The largest distance of the surface of a model from triangles: branch and bound over patches that cover it
 // (docs/mathematics.md §20).
 
 struct FarthestOfModel {
   Enclosure distance;  ///< the supremum over the boundary of the model's solid
-  Point where{};       ///< a point of the boundary within rounding of it is `distance.lo` away
+  Point where{};  ///< this point is `distance.lo` away from the triangles; a point of the boundary lies within rounding
+                  ///< of it
   std::uint64_t patches = 0;
   std::uint64_t samples = 0;
   bool ended = false;  ///< early: the upper end is the best known by then
@@ -41,8 +42,7 @@ struct FarthestOfModel {
 [[nodiscard]] FarthestOfModel farthest_of_model(const Model& model, const TriangleTree& triangles,
                                                 const DeviationSearch& search);
 
-// How far the boundary of a model's solid lies from triangles in the mean by area, and percentiles
-// (docs/mathematics.md §20).
+// The distances of a model's boundary from triangles: the mean by area, and percentiles (docs/mathematics.md §20).
 
 struct ModelDistances {
   Enclosure mean;
@@ -64,8 +64,8 @@ struct ModelWithin {
   bool ended = false;  ///< early: everything is valid, and something wide
 };
 
-/// Of the boundary's area that of the primitives that count (all where `counted` is empty) how much is no farther than
-/// `distance`, until the share is no wider than `width`.
+/// The area of the boundary on the primitives that count (all if `counted` is empty), and the area of it no farther
+/// than `distance`. Works until the share is no wider than `width`.
 [[nodiscard]] ModelWithin model_within(const Model& model, const TriangleTree& triangles,
                                        const std::vector<bool>& counted, double distance, double width,
                                        const DeviationSearch& search);

@@ -1,5 +1,5 @@
-/// The gauge G of the moving primitive, as a function of the place and the time, is least at some time: there a plane
-/// that touches the primitive proposes that of the swept set, and one evaluation for it and eight for the cube's
+/// The gauge G of the moving primitive, as a function of the place and the time, is least at some time. A plane that
+/// touches the primitive there proposes the plane of the swept set. One evaluation for it and eight for the cube's
 /// corners prove both half-spaces.
 #include "verify/search/moving_primitive.hpp"
 
@@ -34,7 +34,7 @@ bool is_usable(const Vector3d& v) {
 constexpr std::array<Point, 8> corners_of_cube{
     {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}}};
 
-/// {e : normal·e <= offset} of a cube of which it holds all, and nothing.
+/// Returns whether {e : normal·e <= offset} contains all of a cube; then whether it contains nothing of it.
 bool holds_all(const CuttingPlane& plane, double half_width) {
   return plane.offset >= reach_up(plane.normal, half_width);
 }
@@ -51,13 +51,13 @@ struct MovingPrimitive::Placement {
   Vector3<double> origin;
 };
 
-/// A half-space that holds what is swept of a cube during a stretch, and what it comes from.
+/// A half-space that contains the part of a cube swept during a stretch, and the data from which it is computed.
 struct MovingPrimitive::Plane {
   CuttingPlane outer;
   TimeStretch stretch;
-  double slack;    ///< of its offset: for what moves during the stretch
+  double slack;    ///< slack of its offset: for the motion during the stretch
   double gauge;    ///< at the cube's centre, about
-  Vector3d slope;  ///< its gradient there, about
+  Vector3d slope;  ///< gradient of the gauge there, about
   Placement at;
 };
 
@@ -147,7 +147,7 @@ MovingPrimitive::Plane MovingPrimitive::plane(const Cube& cube, const TimeStretc
   return result;
 }
 
-/// G is convex in x: G - slope·e is largest at a corner, say m. Where slope·e <= 1 - m, G <= 1.
+/// G is convex in x: G - slope·e is largest at a corner, say m. If slope·e <= 1 - m, G <= 1.
 CuttingPlane MovingPrimitive::inner_plane(const Cube& cube, const Plane& plane) const {
   const Point slope = is_usable(plane.slope) ? point_of(plane.slope) : Point{1.0, 0.0, 0.0};
   const Matrix3<double> to_own = plane.at.rotation.transpose();
@@ -161,8 +161,8 @@ CuttingPlane MovingPrimitive::inner_plane(const Cube& cube, const Plane& plane) 
   return {slope, subtract(1.0, largest, Direction::down)};
 }
 
-/// Half-spaces {n_j·e <= b_j} of stretches, brought to the normal of one of them: what they hold of the cube lies in
-/// {n·e <= b_j + h |n - n_j|_1}.
+/// Half-spaces {n_j·e <= b_j} of stretches, brought to the normal n of one of them: their parts of the cube lie in {n·e
+/// <= b_j + h |n - n_j|_1}.
 double MovingPrimitive::offset_along(const Plane& plane, const Plane& other, double half_width) {
   const Vector3<double> turned = exact_vector(plane.outer.normal) - exact_vector(other.outer.normal);
   Interval apart(0);
@@ -170,8 +170,8 @@ double MovingPrimitive::offset_along(const Plane& plane, const Plane& other, dou
   return (Interval(other.outer.offset) + apart).upper();
 }
 
-/// Takes away what holds nothing of the cube, and stretches where the slack of their half-spaces decides, whose halves
-/// it returns.
+/// Removes planes whose half-spaces contain nothing of the cube, and stretches whose slack decides. Returns the halves
+/// of the latter.
 std::vector<TimeStretch> MovingPrimitive::halved(std::vector<Plane>& planes, const Plane& deepest,
                                                  const Cube& cube) const {
   const double half_width = cube.half_width;

@@ -1,5 +1,5 @@
-/// What a convex primitive on its way sweeps of a cube: half-spaces between which the boundary of the swept set runs
-/// (docs/mathematics.md §23).
+/// The part of a cube that a convex primitive sweeps on its way: half-spaces between which the boundary of the swept
+/// set runs (docs/mathematics.md §23).
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,14 @@ struct TimeStretch {
   double end;
 };
 
-/// S is what the primitive sweeps.
+/// S is the set that the primitive sweeps.
 struct SweptPart {
   bool covered = false;                    ///< all of the cube lies in S
-  std::vector<TimeStretch> open = {};      ///< S meets the cube at these times alone; none: it does not meet it
-  std::optional<CuttingPlane> outer = {};  ///< the part of S in the cube lies in this half-space; nothing is known else
-  std::optional<CuttingPlane> inner = {};  ///< the part of this half-space in the cube lies in S; likewise
+  std::vector<TimeStretch> open = {};      ///< S meets the cube at these times alone; empty: it does not meet it
+  std::optional<CuttingPlane> outer = {};  ///< the part of S in the cube lies in this half-space; without it nothing is
+                                           ///< known
+  std::optional<CuttingPlane> inner = {};  ///< the part of this half-space in the cube lies in S; without it nothing is
+                                           ///< known
 };
 
 /// Immutable: safe to ask from many threads.
@@ -42,7 +44,8 @@ class MovingPrimitive {
   /// A box that contains all that is swept.
   [[nodiscard]] std::array<Interval, 3> box() const;
 
-  /// Of the motion during these stretches. Precondition: what is swept at other times does not meet the cube.
+  /// The part that the motion during these stretches sweeps. Precondition: at other times the swept set does not meet
+  /// the cube.
   [[nodiscard]] SweptPart part(const Cube& cube, std::span<const TimeStretch> stretches) const;
 
  private:
@@ -62,8 +65,8 @@ class MovingPrimitive {
   const EnclosedPath& path_;
   SuperquadricBounds<double> bounds_;
   NormFunction<double> gauge_;
-  Matrix3<double> rotation_;     ///< from the primitive's own frame
-  Vector3<double> translation_;  ///< its origin: the focus
+  Matrix3<double> rotation_;     ///< rotation from the primitive's own frame
+  Vector3<double> translation_;  ///< translation of its origin: the focus
   double smallest_semi_axis_;
 };
 

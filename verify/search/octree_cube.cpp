@@ -135,7 +135,7 @@ OctreeRoot octree_root(const Model& model) {
   if (!std::isfinite(largest)) throw Error(ErrorKind::input, "octree: the size of the model overflows");
   // Corners at the deepest level are multiples of its half edge, below 2^53 of them.
   const std::optional<Cube> root = root_cube(box, {.farthest = 0x1p+30});
-  // A cube far larger than the model would waste levels on what is empty.
+  // A cube far larger than the model would waste levels on empty cubes.
   constexpr double most_sides = 8.0;
   const bool wasteful = root && root->half_width > most_sides * largest && root->half_width > smallest_root;
   if (!root || wasteful) throw Error(ErrorKind::input, "octree: the model is too far from the origin for its size");
@@ -222,8 +222,8 @@ PreciseInterval way(const Point& x, const Point& y) {
   return length<Real>(between);
 }
 
-/// From below. Outside the box, the model is at least as far as the box; inside, what lies beyond the nearest face is
-/// not of the model.
+/// A lower end. Outside the box, the model is at least as far as the box; inside, no point beyond the nearest face
+/// belongs to the model.
 double lower_by_box(const Point& x, const Box& box) {
   PreciseVector outside;
   double depth = infinity;

@@ -20,25 +20,25 @@ namespace verisq::verify {
 
 // Cubes that halve exactly, and how far a point is from them.
 
-/// What a root cube has to keep to, in half-widths of it.
+/// The conditions on a root cube, in half-widths of it.
 struct RootCubeRule {
-  double margin = 0.0;         ///< the box lies so far within its faces; below 1/8
+  double margin = 0.0;         ///< the box lies at least this far within its faces; below 1/8
   double farthest = infinity;  ///< no coordinate of its centre is farther from 0; at least 16
 };
 
 /// Half-widths of root cubes are not less: cubes of the deepest levels would underflow.
 inline constexpr double smallest_root = 0x1p-1001;
 
-/// The cube that octrees and searches grow from, on the host and on devices: it contains the box. Its half-width is the
-/// least power of two, from `smallest_root` on, for which a centre on a grid of 1/1024 of it keeps to the rule. Where
-/// no coordinate of that is farther than 2^f half-widths (and f at least 4), centres and corners of all cubes that are
-/// halved from it are binary64 numbers down to 2^-(51 - f) half-widths. Nothing where that overflows.
+/// The cube from which octrees and searches grow, on the host and on devices: it contains the box. Its half-width is
+/// the least power of two, from `smallest_root` on, for which a centre on a grid of 1/1024 of it keeps the rule. If no
+/// coordinate of that centre is farther than 2^f half-widths (and f at least 4), centres and corners of all cubes that
+/// are halved from it are binary64 numbers down to 2^-(51 - f) half-widths. Nothing if that overflows.
 [[nodiscard]] std::optional<Cube> root_cube(const Box& box, const RootCubeRule& rule = {});
 
-/// The eight halves, which cover the cube. Nothing where a centre is not representable.
+/// The eight halves, which cover the cube. Nothing if a centre is not representable.
 [[nodiscard]] std::optional<std::array<Cube, 8>> halves(const Cube& cube);
 
-/// Exactly: false proves that x lies beyond a face.
+/// An exact comparison: false proves that x lies beyond a face.
 [[nodiscard]] bool contains(const Cube& cube, const Point& x);
 
 /// Encloses the distance of x to the cube, 0 within.
@@ -61,7 +61,7 @@ inline constexpr double smallest_root = 0x1p-1001;
 /// The volume of so many black cubes, and of the gray ones too, rounded outward.
 [[nodiscard]] Enclosure volume(const OctreeRoot& root, const std::vector<OctreeLevel>& levels);
 
-/// An undecided cube with what is left of the model's tree within it.
+/// An undecided cube with the simplified tree of the model within it.
 struct UndecidedCube {
   OctreeCube cube;
   std::shared_ptr<const SetNode> tree;
@@ -82,7 +82,7 @@ class SiblingColours {
   std::shared_ptr<const SetNode> tree_;
 };
 
-// What is known of distances without any search: for the queries that a time limit leaves.
+// Distances known without any search: for the queries that a time limit leaves.
 
 /// An enclosure of the signed distance of one point.
 struct KnownDistance {
@@ -96,7 +96,7 @@ class CoarseDistance {
  public:
   CoarseDistance(const Model& model, std::vector<KnownDistance> known);
 
-  /// Of the exact signed distance; an end is infinite where nothing tells it.
+  /// The enclosure of the exact signed distance; an end is infinite if no bound is known.
   [[nodiscard]] Enclosure operator()(const Point& x) const;
 
  private:
@@ -104,8 +104,8 @@ class CoarseDistance {
   std::vector<KnownDistance> known_;
 };
 
-/// The same with certificates: from below by bounding spheres or an escape from the bounding box, from above by the
-/// point of a primitive on the way to its centre. Immutable: safe to call from many threads.
+/// The same with certificates. The lower end is by bounding spheres or an escape from the bounding box, the upper end
+/// by the point of a primitive on the way to its centre. Immutable: safe to call from many threads.
 class CoarseProof {
  public:
   /// Throws Error(input) unless the model is_union_of_convex.
@@ -113,10 +113,10 @@ class CoarseProof {
 
   [[nodiscard]] CertifiedEnclosure operator()(const Point& x) const;
 
-  /// Of the distance of a triangle, 0 where it meets the model.
+  /// The distance of a triangle, 0 if it meets the model.
   [[nodiscard]] CertifiedEnclosure operator()(const Triangle& triangle) const;
 
-  /// From below, by bounding spheres alone, which takes some microseconds.
+  /// The lower end, by bounding spheres alone, which takes some microseconds.
   [[nodiscard]] CertifiedEnclosure by_spheres(const Point& x) const;
 
  private:
@@ -124,7 +124,7 @@ class CoarseProof {
 
   ExactChecker checker_;
   Box box_;
-  std::vector<Point> centres_;  ///< of the primitives
+  std::vector<Point> centres_;  ///< centres of the primitives
 };
 
 }  // namespace verisq::verify

@@ -43,7 +43,7 @@ struct Relative {
   }
 };
 
-/// A power of two near the largest semi-axis: in units of it nothing overflows that need not, and scaling is exact.
+/// A power of two near the largest semi-axis: in units of it nothing overflows unnecessarily, and scaling is exact.
 double unit_of(const Superquadric& a, const Superquadric& b) {
   int exponent = 0;
   std::frexp(std::max(std::ranges::max(a.semi_axes), std::ranges::max(b.semi_axes)), &exponent);
@@ -89,7 +89,7 @@ class SeparationProblem {
   struct State {
     Vector<Float> v;
     NormExpansion<Float> a;
-    NormExpansion<Float> b;  ///< of -B at R^T v: B's support point against v is minus this one's
+    NormExpansion<Float> b;  ///< the expansion of -B at R^T v: B's support point against v is minus its support point
     Vector<Float> residual;  ///< F(v)
     Float value;             ///< ψ(v)
   };
@@ -236,8 +236,8 @@ class MidpointProblem {
   Projection project_;
 };
 
-/// Whether support points jump from one direction to another: the derivatives of its support function are then those of
-/// a nearby solid (norm_expansion.hpp).
+/// Returns whether support points jump from one direction to another. Then the derivatives of the support function are
+/// those of a nearby solid (norm_expansion.hpp).
 bool has_facets(const Superquadric& solid) {
   return solid.exponents[0] == 2.0 || solid.exponents[1] == 2.0;
 }
@@ -315,7 +315,8 @@ class PairSolver {
                                                       MidpointProblem::Projection projection) const {
     const MidpointProblem problem(a_, b_, precise_relative_, projection);
     const Point3 middle = (vector_of(start.on_a) + vector_of(start.on_b)).cast<long double>() / 2;
-    // In 50 digits closest points of tapered solids take milliseconds each: few of them, from a better start.
+    // In 50 digits closest points of tapered solids take milliseconds each: few of them are computed, from a better
+    // start.
     if (projection == thorough_contact && tapered()) return problem.minimise(midpoint_state(start, fast_contact).m);
     return problem.minimise(middle);
   }

@@ -13,14 +13,14 @@ struct PairContact {
   Proposal vector;  ///< from A to B
   Proposal on_a;
   Proposal on_b;
-  std::optional<Proposal> common;  ///< a point of both, where they overlap; the rest is then of no use
+  std::optional<Proposal> common;  ///< a point of both solids, if they overlap; then the other members are useless
 };
 
-/// Nothing is proven here. `fast` works in binary64 and, where that does not converge, in long double; `thorough` finds
-/// the points to 50 digits. GJK starts both. Then Newton's method minimises
+/// Proves nothing. `fast` works in binary64 and, if that does not converge, in long double; `thorough` finds the points
+/// to 50 digits. GJK starts both. Then Newton's method minimises
 ///     ψ(v) = |v|^2/2 - v·c + h_A(v) + h_B(-v),
-/// which is strongly convex with the separation vector as its minimiser; its gradient F(v) = v - (b - a), with the
-/// support points a and b, leaves a gap of |F|^2 / 2|v| between the two bounds. Where a face's support point is too
+/// which is strongly convex with the separation vector as its minimiser. Its gradient F(v) = v - (b - a), with the
+/// support points a and b, leaves a gap of |F|^2 / 2|v| between the two bounds. If a face's support point is too
 /// sensitive to v, the midpoint m of the closest points is sought instead: it minimises d_A(m)^2 + d_B(m)^2.
 [[nodiscard]] PairContact fast_pair_contact(const Superquadric& a, const Superquadric& b, const RigidMotion& relative);
 [[nodiscard]] PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b,
@@ -40,8 +40,9 @@ struct PreciseContact {
                                                                  const RigidMotion& relative,
                                                                  const PreciseVector& start);
 
-/// The thorough points, accurate to long double, with three vectors: between them, and the normals of A and of B, whose
-/// components are accurate each relative to itself, as the faces of that solid need. Precondition: disjoint solids.
+/// The thorough points, accurate to long double, with three vectors: the vector between them, and the normals of A and
+/// of B. The components of each normal are accurate relative to themselves, as the faces of that solid require.
+/// Precondition: disjoint solids.
 [[nodiscard]] std::array<PreciseContact, 3> projected_pair_contacts(const Superquadric& a, const Superquadric& b,
                                                                     const RigidMotion& relative);
 

@@ -53,7 +53,7 @@ struct Ellipsoid {
   Eigen::Vector3d squared_semi_axes;
 };
 
-/// Through the corners of a box that contains the solid: a taper makes no section larger than 1 + |k| times the middle
+/// Through the corners of a box that contains the solid. A taper makes no section larger than 1 + |k| times the middle
 /// one, and moves the middle to k a3 from the origin.
 Ellipsoid ellipsoid_about(const Superquadric& solid) {
   const auto k = taper_coefficient<double>(solid.taper);
@@ -62,7 +62,7 @@ Ellipsoid ellipsoid_about(const Superquadric& solid) {
   return {{0.0, 0.0, k * z}, {3.0 * std::pow(x * widest, 2), 3.0 * std::pow(y * widest, 2), 3.0 * std::pow(z, 2)}};
 }
 
-/// Of one solid, in the frame where it is placed.
+/// The slope of one solid, in the frame where it is placed.
 class PlacedSlope {
  public:
   explicit PlacedSlope(const PlacedSuperquadric& placed)
@@ -80,7 +80,7 @@ class PlacedSlope {
   Eigen::Vector3d offset_;
 };
 
-/// The first of those with the largest gauge.
+/// The first of the slopes with the largest gauge.
 Slope worst(const std::vector<PlacedSlope>& slopes, const Eigen::Vector3d& x) {
   Slope worst = slopes[0](x);
   for (std::size_t i = 1; i < slopes.size(); ++i) {
@@ -133,13 +133,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kSmallest = std::numeric_limits<double>::min();
-/// Of log g: below, rounding hardly tells a point from the surface.
+/// A margin of log g: below it, rounding hardly distinguishes a point from the surface.
 constexpr double kSurfaceMargin = 1e-13;
 /// Keeps p finite; the logarithms of such solids have no digits left, and Newton's method does not converge.
 constexpr double kSmallestExponent = 1e-9;
-/// They vanish for p = 1.
+/// A lower limit of derivatives, which vanish for p = 1.
 constexpr double kSmallestDerivative = 1e-12;
-/// Its inverse is finite, and what it moves vanishes against other numbers.
+/// A coordinate whose inverse is finite, and and that hardly changes other numbers.
 constexpr double kSmallestCoordinate = 1e-150;
 /// Damping: no logarithm rises by more in a step, and r and λ fall no faster.
 constexpr double kLargestStep = 8.0;
@@ -178,13 +178,13 @@ Array3d bounded_exp(const Array3d& x) {
 /// Residuals and derivatives at one set of unknowns, the coordinates eliminated.
 struct PairProjection::Equations {
   Array3d values;        ///< logarithms of the left sides, in units of length
-  Array3d shares;        ///< of the terms with λ
-  Array3d inverses;      ///< of the derivatives of the coordinates' equations by their own unknowns
+  Array3d shares;        ///< shares of the terms with λ
+  Array3d inverses;      ///< inverses of the derivatives of the coordinates' equations by their own unknowns
   double section_x;      ///< derivative of ln r by the residual of x
-  double section_y;      ///< and by that of y
+  double section_y;      ///< and derivative by the residual of y
   double section_share;  ///< derivative of ln r by ln λ but for the sign
   double surface_r;      ///< derivative of ln g by ln r
-  double surface_z;      ///< and by the residual of z
+  double surface_z;      ///< and derivative by the residual of z
   double by_r, by_lambda;
   double inverse_determinant;
   double section_residual, surface_residual;
@@ -195,7 +195,8 @@ struct PairProjection::Step {
   Array3d odds;  ///< change of the logarithm of each share's odds
 };
 
-/// Of |q| in units of the semi-axes. A point inside, or too close to the surface, is moved outward on its ray.
+/// Logarithms of |q| in units of the semi-axes. A point inside, or too close to the surface, is moved outward on its
+/// ray.
 struct PairProjection::OutsideLogarithms {
   Array3d log_x;
   bool inside;
@@ -291,7 +292,7 @@ DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarit
   if (at.inside) return result;
   LogUnknowns& u = result.closest;
   const Array3d log_q = at.log_x + log_axes_;
-  // Where p is near 1, a coordinate that the normal crowds out lies of the order 1 / (p - 1) below the others.
+  // If p is near 1, a coordinate that the normal crowds out lies of the order 1 / (p - 1) below the others.
   const Array3d lowest = -kLargestStep * (p_ - 1.0).max(1e-3).min(1.0).inverse();
   Equations e;
   Step step;
@@ -331,7 +332,8 @@ using Eigen::Vector3d;
 constexpr int kMostRounds = 64;
 /// Converged when the vectors cancel but for this part of their length.
 constexpr double kCancelled = 1e-11;
-/// How deep every other step aims inside the solids, as a part of the distance: it does not stop at a surface.
+/// The depth to which every other step aims inside the solids, as a part of the distance: it does not stop at a
+/// surface.
 constexpr double kOvershoot = 0.25;
 /// Values closer than this differ by rounding errors.
 constexpr double kSameValue = 1e-13;
@@ -381,7 +383,7 @@ class MidpointSearch {
   }
 
  private:
-  /// What both solids say about one point, in A's frame.
+  /// The expansions of both solids at one point, in A's frame.
   struct Probe {
     Vector3d point;
     DistanceExpansion a, b;
@@ -412,8 +414,8 @@ class MidpointSearch {
     return hessian.inverse() * (a.gradient + b.gradient);
   }
 
-  /// The vector is extrapolated by the step that is left: each solid's own vector then stays one of its normals, which
-  /// matters where it is nearly flat.
+  /// The vector is extrapolated by the remaining step. Each solid's own vector then stays one of its normals, which
+  /// matters where the solid is nearly flat.
   [[nodiscard]] MidpointContact contact(const Probe& p) const {
     const Vector3d left = step(p, 0.0, kSmallestBlend);
     const bool usable = left.allFinite() && left.squaredNorm() <= kShortStep * p.value();

@@ -19,12 +19,12 @@ struct PlacedSuperquadric {
   Eigen::Vector3d offset;
 };
 
-/// A point with all gauges below 1, in plain floating point: it proposes and proves nothing. By the ellipsoid method,
-/// which needs neither a start nor a well-shaped intersection; nothing where the interiors do not meet, or in less than
-/// about 1e-9 of the first one's size. Precondition: at least one.
+/// A point with all gauges below 1, in plain floating point: it proposes and proves nothing. Uses the ellipsoid method,
+/// which needs neither a start nor a well-shaped intersection. Nothing if the interiors do not meet, or meet in less
+/// than about 1e-9 of the first solid's size. Precondition: at least one solid.
 [[nodiscard]] std::optional<Eigen::Vector3d> common_point(std::span<const PlacedSuperquadric> solids);
 
-/// The same of two, in A's frame; `rotation` and `offset` lead there from B's.
+/// The same for two solids, in A's frame; `rotation` and `offset` lead there from B's.
 [[nodiscard]] std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superquadric& b,
                                                           const Eigen::Matrix3d& rotation,
                                                           const Eigen::Vector3d& offset);
@@ -50,12 +50,12 @@ struct DistanceExpansion {
 /// Newton's method on the optimality conditions of docs/mathematics.md §3, in logarithms:
 ///     X + (λ r^(p1 - p2) / a1^2) X^(p2 - 1) = |q1| / a1,   Y alike,   Z + (λ / a3^2) Z^(p1 - 1) = |q3| / a3,
 ///     r = ‖(X, Y)‖_p2,   ‖(r, Z)‖_p1 = 1.
-/// It proves nothing, and converges less surely than ContactProblem but in a tenth of the time.
+/// It proves nothing, and converges less reliably than ContactProblem, but in a tenth of the time.
 class PairProjection {
  public:
   explicit PairProjection(const Superquadric& solid);
 
-  /// At a point of the solid's own frame.
+  /// The expansion at a point of the solid's own frame.
   [[nodiscard]] DistanceExpansion operator()(const Eigen::Vector3d& q) const;
   /// Starts from the closest point of a point nearby.
   [[nodiscard]] DistanceExpansion operator()(const Eigen::Vector3d& q, const LogUnknowns& start) const;
@@ -89,9 +89,9 @@ struct MidpointContact {
   Eigen::Vector3d on_b;
 };
 
-/// Newton's method on half the squared distance to A plus half that to B, which is convex: at its minimum the vectors
-/// from both solids cancel. Nothing where it does not converge, as where the solids overlap. `rotation` and `offset`
-/// lead from B's frame to A's.
+/// Newton's method on half the squared distance to A plus half the squared distance to B, which is convex: at its
+/// minimum the vectors from both solids cancel. Nothing if it does not converge, for example if the solids overlap.
+/// `rotation` and `offset` lead from B's frame to A's.
 [[nodiscard]] std::optional<MidpointContact> midpoint_contact(const Superquadric& a, const Superquadric& b,
                                                               const Eigen::Matrix3d& rotation,
                                                               const Eigen::Vector3d& offset,

@@ -64,8 +64,8 @@ ExaminedStretch ConvexMoments::examine(const Stretch& stretch, double enough) co
 
 namespace {
 
-/// Of what the distance may change over a stretch a search leaves open at its middle: planes lose less than the change,
-/// and a search that is finer costs more than it saves.
+/// The share of the distance's possible change over a stretch that a search leaves open at its middle. Planes lose less
+/// than the change, and a finer search costs more than it saves.
 constexpr double share_of_change = 0x1p-4;
 
 double up(const PreciseInterval& x) {
@@ -77,13 +77,13 @@ PreciseInterval less(const PreciseInterval& x, const PreciseInterval& y) {
   return x.upper() < y.upper() ? x : y;
 }
 
-/// It holds the model, in the model's own frame.
+/// A sphere that contains the model, in the model's own frame.
 EnclosingSphere sphere_about(const Model& model) {
   const Box box = bounding_box(model);
   Point middle;
   for (std::size_t i = 0; i < 3; ++i) middle[i] = std::midpoint(box.lower[i], box.upper[i]);
   const PreciseVector centre = precise(middle);
-  // As far as the farther corner: the middle is rounded.
+  // The radius reaches the farther corner: the middle is rounded.
   PreciseVector corner;
   for (std::size_t i = 0; i < 3; ++i) {
     const PreciseInterval to_lower = abs(centre[i] - PreciseInterval(Real(box.lower[i])));
@@ -148,7 +148,7 @@ ExaminedStretch SearchedMoments::examine(const Stretch& stretch, double enough) 
   if (by_balls > enough) return {time, by_balls, infinity};
 
   bool far = false;
-  // Where it is asked whether they are apart at all, as fine as the stretch is short.
+  // If the question is only whether they are apart at all, the search is as fine as the stretch is short.
   const double finest = enough > 0.0 ? tolerance_ : 0.0;
   SearchOptions options{.tolerance = std::max(0.25 * finest, share_of_change * up(lost))};
   options.progress = [&](const Enclosure& distance, std::uint64_t) {
@@ -204,7 +204,8 @@ std::array<Stretch, 2> halves(const Stretch& stretch) {
           Stretch{stretch.leg, middle, stretch.end, stretch.lower}};
 }
 
-/// Of the largest length at hand: what single distances are proven to, with room for their rounding to binary64.
+/// Share of the largest length involved: the width to which single distances are proven, with room for their rounding
+/// to binary64.
 constexpr double finest_width = 0x1p-43;
 
 class PathSearch {
@@ -248,7 +249,7 @@ class PathSearch {
     return static_cast<std::size_t>(std::fmin(std::floor(time), last_leg));
   }
 
-  /// Its lower end over the stretch.
+  /// The lower end of the distance over the stretch.
   double look_at(const Stretch& stretch) {
     const ExaminedStretch moment = moments_.examine(stretch, result_.smallest.hi);
     ++result_.moments;
@@ -299,7 +300,7 @@ class PathSearch {
     if (open.empty()) result_.smallest.lo = finest;
   }
 
-  /// From the beginning on, until what is left before the earliest known contact is short.
+  /// Works from the beginning, until the interval before the earliest known contact is short.
   void find_first_contact() {
     std::vector<Stretch> open = legs_of(path_);
     std::ranges::reverse(open);  // the earliest last
@@ -349,7 +350,7 @@ PathDistance followed(std::span<const Pose> path, const Model& a, const Model& b
   return PathSearch(posed, moments, tolerance, options, 1).run();
 }
 
-/// Nothing where that is not exact.
+/// Nothing if scaling is not exact.
 std::optional<std::vector<Pose>> in_units(std::span<const Pose> path, double unit) {
   std::vector<Pose> scaled;
   for (const Pose& pose : path) {
@@ -385,9 +386,9 @@ PathDistance distance_along(std::span<const Pose> path, const Model& a, const Mo
 
 namespace {
 
-/// Beyond those that there are poses: where more would be needed, less is proven.
+/// The number of parts beyond the number of poses: if more would be needed, less is proven.
 constexpr std::size_t most_further_parts = 16384;
-/// Of the tolerance is left for what a part loses by its length.
+/// Share of the tolerance for the loss of a part by its length, and below for single moments.
 constexpr double share_of_parts = 0.0625;
 constexpr double share_of_moments = 0.25;
 
@@ -405,7 +406,7 @@ class PathProver {
   [[nodiscard]] CertifiedPath operator()(const PathDistance& found) {
     const double lower = found.smallest.lo;
     const bool apart = found.proximity == PathProximity::apart;
-    // Of a contact anything above 0 tells that it is not yet there.
+    // Before a contact, any lower end above 0 proves that it has not happened yet.
     goal_ = apart ? std::max(lower - share_of_parts * options_.tolerance, 0.5 * lower)
                   : std::numeric_limits<double>::denorm_min();
     prove_parts(apart ? path_.last_time() : found.apart_before);
@@ -427,7 +428,7 @@ class PathProver {
     return distances_(path_.rounded_pose(time), [this] { return stopped(); });
   }
 
-  /// From the beginning on, as far as they reach the goal. A path of one pose is one part.
+  /// Proves parts from the beginning, as long as they reach the goal. A path of one pose is one part.
   void prove_parts(double end) {
     double begin = 0.0;
     do {
@@ -437,8 +438,8 @@ class PathProver {
     } while (begin < end);
   }
 
-  /// Appends parts from `begin` to `end`, halved until each reaches the goal, or what may be hoped for there. `hint`
-  /// was enough nearby. False where one proves nothing.
+  /// Appends parts from `begin` to `end`, halved until each reaches the goal, or the bound that may be hoped for there.
+  /// `hint` was enough nearby. False if a part proves nothing.
   [[nodiscard]] bool prove(double begin, double end, const PairCertificate& hint) {  // NOLINT(misc-no-recursion)
     if (stopped()) return false;
     for (const PairCertificate& known : {PairCertificate{}, hint}) {
@@ -464,8 +465,8 @@ class PathProver {
     return true;
   }
 
-  /// From the moment to all places in the part, to the distance that is hoped for; where that takes too many cells it
-  /// proves nothing.
+  /// Extends the cover from the moment to all places in the part, to the hoped-for distance. If that takes too many
+  /// cells, the cover stays unchanged and proves nothing for the part.
   void widen(SurroundedPrimitive& cover, double begin, double end, double hoped) {
     const auto& [a, b] = *places_;
     const auto& convex = std::get<verify::PosedSuperquadric>(b.primitives()[cover.primitive]);
@@ -486,7 +487,7 @@ class PathProver {
   const PathDistanceOptions& options_;
   verify::PosedPath path_;
   CertifiedDistances distances_;
-  std::optional<std::array<verify::ExactChecker, 2>> places_;  ///< of models that have covers
+  std::optional<std::array<verify::ExactChecker, 2>> places_;  ///< for models that have covers
   PathChecker checker_;
   std::size_t most_parts_;
   double goal_ = 0.0;

@@ -11,23 +11,23 @@
 
 namespace verisq::verify {
 
-// What is asked of two models at the moments of a path.
+// The questions about two models at the moments of a path.
 
-/// Of one leg; both ends are exact binary64 numbers, as is the middle of what may still be halved.
+/// A part of one leg. Both ends are exact binary64 numbers, and so is the middle of a stretch that may still be halved.
 struct Stretch {
   std::size_t leg;
   double begin, end;         ///< times of the path
-  double lower = -infinity;  ///< of the distance, at all its times
+  double lower = -infinity;  ///< lower bound of the distance, at all its times
 
   [[nodiscard]] double middle() const { return 0.5 * (begin + end); }
   [[nodiscard]] double reach() const { return 0.5 * (end - begin); }
 };
 
-/// What was found at the middle of a stretch.
+/// The bounds found at the middle of a stretch.
 struct ExaminedStretch {
   double time;
-  double lower;  ///< over the stretch
-  double upper;  ///< at the middle; 0 where a common point is proven
+  double lower;  ///< lower bound over the stretch
+  double upper;  ///< upper bound at the middle; 0 if a common point is proven
 };
 
 /// Two models, one of which moves.
@@ -38,11 +38,11 @@ class PathMoments {
   PathMoments& operator=(const PathMoments&) = delete;
   virtual ~PathMoments() = default;
 
-  /// Where the distance is proven to be more than `enough`, at all times of the stretch, nothing closer is asked.
+  /// If the distance is proven to be more than `enough` at all times of the stretch, no closer bound is sought.
   [[nodiscard]] virtual ExaminedStretch examine(const Stretch& stretch, double enough) const = 0;
 };
 
-// Unions of convex primitives on their way: planes that stay between two of them prove whole stretches of time
+// Unions of convex primitives on their way: planes that stay between two primitives prove whole stretches of time
 // (docs/mathematics.md §26).
 
 class ConvexMoments : public PathMoments {
@@ -59,8 +59,8 @@ class ConvexMoments : public PathMoments {
   PosedPrimitives b_;
 };
 
-// Any two models on their way, bent or built by set operations: planes that stay between sections of primitives, or
-// the distance at a moment and how fast points move, prove a stretch of time (docs/mathematics.md §26).
+// Any two models on their way, bent or built by set operations. Planes that stay between sections of primitives prove a
+// stretch of time, or the distance at a moment and the speed of points do (docs/mathematics.md §26).
 
 class SearchedMoments : public PathMoments {
  public:
@@ -72,13 +72,13 @@ class SearchedMoments : public PathMoments {
   [[nodiscard]] ExaminedStretch examine(const Stretch& stretch, double enough) const override;
 
  private:
-  /// How far the distance at any of its times lies from that at the moment, at most.
+  /// Upper bound of the change of the distance between the moment and any time of the motion.
   [[nodiscard]] PreciseInterval change(const ShortMotion& motion) const;
 
-  /// How far a point of B is from where it is at the exact pose, at most.
+  /// Upper bound of the displacement of a point of B from its place at the exact pose.
   [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
 
-  /// Whether a point of A's is proven to lie in B, too, at the exact pose.
+  /// Returns whether a point of A is proven to lie in B, too, at the exact pose.
   [[nodiscard]] bool is_in_b(const Point& x, const RigidMotion& exact) const;
 
   const PosedPath* path_;

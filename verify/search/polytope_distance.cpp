@@ -61,14 +61,14 @@ Scaled scaled(const Point& x, const Cube& cube, std::span<const HalfSpace> half_
   return result;
 }
 
-/// What the search finds.
+/// The result of the search.
 struct Solution {
   Vector nearest;
   Multipliers multipliers;
-  std::optional<Multipliers> empty;  ///< of a combination of half-spaces that misses the cube
+  std::optional<Multipliers> empty;  ///< multipliers of a combination of half-spaces that misses the cube
 };
 
-/// The dual active-set method of Goldfarb and Idnani (Mathematical Programming 27, 1983) for a Hessian of 1: it starts
+/// The dual active-set method of Goldfarb and Idnani (Mathematical Programming 27, 1983) for a Hessian of 1. It starts
 /// at the query and moves onto one violated plane after the other, so that the multipliers stay nonnegative.
 class ActiveSet {
  public:
@@ -103,7 +103,7 @@ class ActiveSet {
   using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
   using Rates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
 
-  /// For normals of the given lengths.
+  /// The multipliers for normals of the original lengths.
   [[nodiscard]] Multipliers of_half_spaces(const Multipliers& of_planes) const {
     Multipliers result;
     for (std::size_t j = 0; j < lengths_.size(); ++j) result.push_back(std::max(0.0, of_planes[j]) / lengths_[j]);
@@ -124,7 +124,7 @@ class ActiveSet {
     return found;
   }
 
-  /// How fast the active multipliers fall as that of `normal` grows, so that all active planes are kept.
+  /// The rates at which the active multipliers fall as that of `normal` grows, so that all active planes are kept.
   [[nodiscard]] Rates rates(const Vector& normal, Vector& across) const {
     across = normal;
     if (active_.empty()) return {};
@@ -135,7 +135,7 @@ class ActiveSet {
     return fall;
   }
 
-  /// Where the planes leave no point, gives the multipliers of a combination that shows it.
+  /// If the planes leave no point, returns the multipliers of a combination that proves it.
   std::optional<Multipliers> move_onto(std::size_t plane) {
     constexpr double dependent = 1e-12;
     while (true) {
@@ -172,9 +172,9 @@ class ActiveSet {
     }
   }
 
-  std::vector<Vector> normals_;  ///< of length 1; the last six are those of the cube's faces
+  std::vector<Vector> normals_;  ///< of length 1; the last six are the normals of the cube's faces
   std::vector<double> offsets_;
-  std::vector<double> lengths_;  ///< of the half-spaces' normals
+  std::vector<double> lengths_;  ///< lengths of the half-spaces' normals
   std::vector<double> multipliers_;
   std::vector<std::size_t> active_;
   Vector nearest_;
@@ -197,7 +197,7 @@ struct Proof {
     return sum.lower();
   }
 
-  /// Whether s.e > offset all over the cube.
+  /// Returns whether s.e > offset all over the cube.
   [[nodiscard]] bool empty(const std::array<Interval, 3>& s, const Interval& offset) const {
     Interval reach(0);
     for (std::size_t i = 0; i < 3; ++i) reach += abs(s[i]) * half_width;
@@ -258,7 +258,8 @@ PolytopeDistance polytope_distance(const Point& x, const Cube& cube, std::span<c
 
 namespace {
 
-/// That operands inherit. Three planes make a corner; a few more let them change within the cube.
+/// The largest number of cuts that operands inherit. Three planes form a corner; a few more let them change within the
+/// cube.
 constexpr std::size_t kMostInheritedCuts = 16;
 
 }  // namespace
@@ -336,9 +337,9 @@ bool says_something(const HalfSpace& half_space) {
 /// h |direction - sum m_j n_j|_1 + sum m_j b_j, rounded up; infinity for multipliers that are no numbers of at least 0.
 double dual_bound(double half_width, std::span<const HalfSpace> half_spaces, const Point& direction,
                   const CutMultipliers& multipliers) {
-  // Fewer than 16 roundings lie between an input and the result: the error is below 32 u times the sum of the absolute
-  // terms, `terms` being computed with a relative error that the same factor covers. What underflows loses less than
-  // 2^-1070 each time, times the half-width at most.
+  // Fewer than 16 roundings lie between an input and the result. So the error is below 32 u times the sum of the
+  // absolute terms; `terms` has a relative error that the same factor covers. Underflow costs less than 2^-1070 each
+  // time, times the half-width at most.
   double bound = 0.0;
   double terms = 0.0;
   for (std::size_t j = 0; j < half_spaces.size(); ++j) {
@@ -371,8 +372,8 @@ double excess(const HalfSpace& half_space, const Point& target, double half_widt
   return sum;
 }
 
-/// The root of `excess` where it begins above 0, else 0: the multiplier of the target's projection. Of a half-space
-/// that misses the cube, one that leads to the nearest corner.
+/// The root of `excess` if it begins above 0, else 0: the multiplier of the target's projection. For a half-space that
+/// misses the cube, a multiplier that leads to the nearest corner.
 double projection_multiplier(const HalfSpace& half_space, const Point& target, double half_width) {
   double m = 0.0;
   double before = excess(half_space, target, half_width, m);
@@ -409,7 +410,7 @@ double CutCube::support(const Point& direction) const {
   const auto try_multipliers = [&](const CutMultipliers& multipliers) {
     least = std::min(least, dual_bound(cube_.half_width, cuts, direction, multipliers));
   };
-  // The bound is convex and piecewise linear in the multipliers: its least is at a corner, where as many of the
+  // The bound is convex and piecewise linear in the multipliers. Its least is at a corner: there as many of the
   // direction's components (or multipliers) vanish as there are multipliers.
   try_multipliers({});
   for (std::size_t j = 0; j < cuts.size(); ++j) {

@@ -217,7 +217,7 @@ void PrimitivePairDistance::bound(SectionPair pair, double enough) {
   queue_.push(pair);
 }
 
-/// By the plane at hand, where that is no worse than what is known.
+/// Sets the bound by the current plane, if it is no worse than the known bound.
 void PrimitivePairDistance::separate(SectionPair& pair) {
   const double proven = lower_by(pair.separation, pair.a, pair.b);
   if (!(proven >= pair.lower)) return;
@@ -231,7 +231,7 @@ DividedSeparation PrimitivePairDistance::certificate(std::uint32_t primitive_a, 
   return result;
 }
 
-/// No deeper than halvings of a section's heights in binary64, of both.
+/// The recursion is no deeper than the halvings of both sections' heights in binary64.
 void PrimitivePairDistance::add_planes(const Division& division, DividedSeparation& certificate) const {
   const auto& [a, b, cut, halves, normal] = division;
   certificate.cuts.push_back(cut);

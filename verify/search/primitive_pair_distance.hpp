@@ -22,17 +22,17 @@ namespace verisq::verify {
 // A primitive cut across its axis, bent or not: how far each of its sections reaches, proven, and where, proposed
 // (docs/mathematics.md §9).
 
-/// Everything in the primitive's own frame, with its centre as origin. A bent solid is not convex, but a section of it
-/// is the more nearly so the thinner it is. Immutable.
+/// All vectors are in the primitive's own frame, with its centre as origin. A bent solid is not convex, but the thinner
+/// a section of it is, the more nearly convex it is. Immutable.
 class SectionedPrimitive {
  public:
   explicit SectionedPrimitive(const Primitive& primitive);
 
-  /// What the bend makes of the axis at a height z: it turns by kz.
+  /// The bend's effect on the axis at a height z: the axis turns by kz.
   struct End {
     double height;
     Interval cosine, sine;  ///< of kz
-    Interval along, up;     ///< R and Z of the axis' point
+    Interval along, up;     ///< R and Z of the axis point
   };
 
   /// The image of the points with heights between those of two ends.
@@ -42,21 +42,22 @@ class SectionedPrimitive {
 
   [[nodiscard]] Section whole() const;
 
-  /// Nothing where there is no bend, or no number between the heights.
+  /// Nothing if there is no bend, or no number between the heights.
   [[nodiscard]] std::optional<std::array<Section, 2>> halves(const Section& section) const;
 
-  /// About how far the hull of a section, or what bounds it, exceeds the section.
+  /// About how far the hull of a section, or the bounds of that hull, exceed the section.
   [[nodiscard]] double slack(const Section& section) const;
 
-  /// At least the largest direction·x over the section; infinity where it overflows. With (n_R, n_S, n_Z) the direction
-  /// in the frame of the bend, and at a height z
+  /// At least the largest direction·x over the section; infinity if it overflows. With (n_R, n_S, n_Z) the direction in
+  /// the frame of the bend, and at a height z
   ///     e(z) = n·(the axis' point),   c(z) = n_R cos kz - n_Z sin kz,
   /// the image of (r, s, z) has n·x = e(z) + c(z) r + n_S s. Let H(c) be the support function of the unbent solid
-  /// towards (c, n_S, v) for a number v: convex in c, and changed by no more than the largest |r| times what c is. So
+  /// towards (c, n_S, v) for a number v. It is convex in c, and changes by at most the largest |r| times the change of
+  /// c. So
   ///     n·x <= e(z) - v z + H(c(z))   for any v,
-  /// and between the two ends e and c leave their chords by no more than an eighth of the squared difference of heights
-  /// times |e''| = |k c| and |c''| = |k² c|; e not upwards where it is convex, k c >= 0. The chords of e, of H along
-  /// that of c, and v z are linear: largest at an end.
+  /// Between the two ends e and c leave their chords by at most an eighth of the squared difference of heights times
+  /// |e''| = |k c| and |c''| = |k² c|. e does not leave its chord upwards where it is convex, k c >= 0. The chords of
+  /// e, of H along the chord of c, and v z are linear: largest at an end.
   [[nodiscard]] double support_up(const Vector3<double>& direction, const Section& section) const;
 
   /// The number v of `support_up` that gives about the least bound; it may overflow.
@@ -70,7 +71,7 @@ class SectionedPrimitive {
 
   double half_length_;
   double curvature_ = 0.0;
-  std::optional<BendMap<double>> map_;  ///< where there is a bend
+  std::optional<BendMap<double>> map_;  ///< set if there is a bend
   SuperquadricBounds<double> bounds_;
   Interval focus_;          ///< along z
   double extent_ = 0.0;     ///< at least the largest |r|
@@ -90,26 +91,27 @@ struct SeparablePrimitive {
   bool bent;
   RigidMotion motion;               ///< to its model's frame
   ApproximateMotion<double> about;  ///< the same, about
-  Matrix3<double> to_own_frame;     ///< of directions
+  Matrix3<double> to_own_frame;     ///< takes directions to it
 };
 
 /// d >= (n·(t_B - t_A) - h_A(R_Aᵀ n) - h_B(-R_Bᵀ n)) / |n| for any n, with support functions about the centres t
-/// (docs/mathematics.md §7); of all pairs of sections the least counts. All in the frame of model A.
+/// (docs/mathematics.md §7). The least bound of all pairs of sections counts. All vectors are in the frame of model A.
 class PrimitivePairDistance {
  public:
-  /// `pose` moves B's model. Both primitives must outlive this. Bounds are within about `tolerance` of the distance
-  /// where the search succeeds.
+  /// `pose` moves B's model. Both primitives must outlive this. If the search succeeds, bounds are within about
+  /// `tolerance` of the distance.
   PrimitivePairDistance(const SeparablePrimitive& a, const SeparablePrimitive& b, const Pose& pose, double tolerance);
 
   /// At least 0, proven.
   [[nodiscard]] double lower() const;
 
-  /// Divides sections until `lower` is at least `enough`, no finer sections promise more than the tolerance, hulls of
-  /// fairly fine ones still meet, `steps` are taken, or `interrupted`, polled between them, says so. Whether any step
-  /// was taken.
+  /// Divides sections until one of these holds: `lower` is at least `enough`; finer sections promise no more than the
+  /// tolerance; hulls of fairly fine sections still meet; `steps` are taken; `interrupted`, polled between them,
+  /// returns true. Returns whether any step was taken.
   bool raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted);
 
-  /// What proves `lower` again, but for what rounding of the plain numbers in it costs. Precondition: a step was taken.
+  /// A certificate that proves `lower` again, but for the rounding of its plain numbers. Precondition: a step was
+  /// taken.
   [[nodiscard]] DividedSeparation certificate(std::uint32_t primitive_a, std::uint32_t primitive_b) const;
 
   struct Points {
@@ -117,7 +119,7 @@ class PrimitivePairDistance {
     Point on_b;  ///< in the frame of model B
   };
 
-  /// Of the hulls of those sections that seem nearest: proves nothing. Nothing before the first step, or where
+  /// Points of the hulls of the sections that seem nearest: proves nothing. Nothing before the first step, or if
   /// numbers overflow.
   [[nodiscard]] std::optional<Points> near_points() const;
 
@@ -135,16 +137,16 @@ class PrimitivePairDistance {
     double slack;  ///< of both sections
     std::uint32_t a, b;
     std::uint32_t division;  ///< index of its own
-    Plain separation;        ///< from A to B; of any length
+    Plain separation;        ///< from A to B; any length
     Plain on_a, on_b;
   };
 
-  /// What became of a pair of sections.
+  /// The division of a pair of sections.
   struct Division {
     std::uint32_t a, b;  ///< indices of the sections
     SectionCut cut = SectionCut::none;
-    std::uint32_t halves = 0;  ///< the first of two, where it was cut
-    Plain normal{};            ///< of the plane with the best bound
+    std::uint32_t halves = 0;  ///< the first of two, if the pair was cut
+    Plain normal{};            ///< normal of the plane with the best bound
   };
 
   /// The least bound first; where hulls meet, the larger sections.
@@ -166,8 +168,8 @@ class PrimitivePairDistance {
   const SeparablePrimitive* a_;
   const SeparablePrimitive* b_;
   ApproximateMotion<double> motion_;  ///< B's model to A's, about
-  Matrix3<double> to_b_;              ///< directions of model A's frame to those of B's primitive
-  Vector3<double> between_;           ///< of the centres
+  Matrix3<double> to_b_;              ///< takes directions of model A's frame to the frame of B's primitive
+  Vector3<double> between_;           ///< vector between the centres
   double tolerance_;
   std::vector<Node> nodes_a_, nodes_b_;
   std::vector<Division> divisions_;
@@ -190,7 +192,7 @@ class WholePrimitive {
   /// At least the largest direction·(x - the cube's centre) over the primitive.
   [[nodiscard]] double support(const Point& direction) const;
 
-  /// About: proves nothing.
+  /// Approximate: proves nothing.
   [[nodiscard]] Point nearest(const Point& x) const;
 
  private:

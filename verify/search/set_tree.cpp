@@ -42,9 +42,9 @@ Kind kind_of(const SetExpression& expression, Side side) {
                                                                                  : Kind::intersection_of;
 }
 
-/// Appends the expression's operands to those of a node of this kind: an operand of the same kind gives its own, one
-/// operand alone takes the place of its operator. Every node is made where it stays, so that deep trees cost no more
-/// than wide ones.
+/// Appends the expression's operands to those of a node of this kind. An operand of the same kind gives its own
+/// operands; an only operand takes the place of its operator. Every node is made where it stays, so that deep trees
+/// cost no more than wide ones.
 void append_operands(const SetExpression& expression, Side side, Kind kind, std::vector<SetNode>& operands) {
   if (expression.operands.empty()) {
     operands.push_back(leaf(expression.primitive, side));
@@ -68,7 +68,7 @@ SetNode normal_form(const SetExpression& expression, Side side) {
   return {kind, 0, Side::inside, std::move(operands)};
 }
 
-/// The colour of one operand that decides the whole; an operand of the other colour does not matter.
+/// The colour that decides the whole if one operand has it; operands of the other colour do not matter.
 Colour deciding(Kind kind) {
   return kind == Kind::union_of ? Colour::black : Colour::white;
 }
@@ -85,7 +85,7 @@ void append(std::vector<SetNode>& operands, std::vector<SetNode> more) {
   std::ranges::move(more, std::back_inserter(operands));
 }
 
-/// Returns the node's colour; where it is gray, appends what is left of the node to the operands of one of this kind.
+/// Returns the node's colour. If it is gray, appends the simplified node to the operands of a node of this kind.
 Colour append_undecided(const SetNode& node, std::span<const Colour> primitives, Kind kind,
                         std::vector<SetNode>& operands) {
   if (node.kind == Kind::leaf) {
@@ -108,7 +108,7 @@ Colour append_undecided(const SetNode& node, std::span<const Colour> primitives,
   return Colour::gray;
 }
 
-/// By what each leaf is.
+/// The colour of the set by the colour of each leaf.
 template <class ColourOfLeaf>
 Colour colour_by(const SetNode& node, const ColourOfLeaf& colour_of) {
   if (node.kind == Kind::leaf) return colour_of(node);
@@ -134,7 +134,7 @@ std::size_t leaves_of(const SetExpression& expression) {
   return count;
 }
 
-/// Nothing where no primitives hold the set: it need not be bounded then.
+/// Nothing if no primitives contain the set: then it may be unbounded.
 std::optional<std::set<std::uint32_t>> covering(const SetNode& node) {
   if (node.kind == Kind::leaf) {
     if (node.side == Side::outside) return std::nullopt;
@@ -368,10 +368,11 @@ double HalfSpaceBound::lower(const Solid& solid, const Triangle& triangle) {
 }
 
 /// Let every point of the triangle lie at least m > 0 away from all primitives but K, and less than m deep in K. A ball
-/// about it in the union, of a radius of at most m, lies in K. So the point lies in the union no deeper than in K.
+/// about such a point in the union, of a radius of at most m, lies in K. So the point lies in the union no deeper than
+/// in K.
 double HalfSpaceBound::operator()(const Triangle& triangle) const {
-  double least = infinity;        // of those that no point lies in
-  std::optional<double> entered;  // of the one that some may lie in
+  double least = infinity;        // of the solids that contain no point
+  std::optional<double> entered;  // of the solid that may contain some
   for (const Solid& solid : solids_) {
     const double by_sphere = lower_by_sphere(solid.posed, triangle);
     const bool far = PreciseInterval(Real(by_sphere)).lower() > solid.posed.radius().upper();

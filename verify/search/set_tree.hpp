@@ -1,4 +1,5 @@
-/// Bounds of models as wholes: boxes around models, what cubes tell of primitives, and trees of set operations.
+/// Bounds of models as wholes: boxes around models, colours and half-spaces of primitives over cubes, and trees of set
+/// operations.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +28,8 @@ namespace verisq::verify {
 // One posed primitive, bent or not, over cubes of the model frame: inclusion functions of second order.
 
 /// Every statement is proven by outward-rounded intervals with binary64 ends. Over a cube of half-width h the
-/// coordinates in the primitive's own frame are an affine function of the position up to a remainder of order h^2 (0
-/// without a bend), and the gauge is convex: half-spaces are loose by the order h^2 only.
+/// coordinates in the primitive's own frame are an affine function of the position, up to a remainder of order h^2 (0
+/// without a bend). The gauge is convex: half-spaces are loose by the order h^2 only.
 class BoxPrimitive {
  public:
   explicit BoxPrimitive(const Primitive& primitive);
@@ -59,7 +60,7 @@ struct SetNode {
   enum class Kind : std::uint8_t { leaf, union_of, intersection_of };
 
   Kind kind;
-  std::uint32_t primitive = 0;  ///< of a leaf
+  std::uint32_t primitive = 0;  ///< for a leaf
   Side side = Side::inside;     ///< of a leaf
   std::vector<SetNode> operands = {};
 };
@@ -67,25 +68,26 @@ struct SetNode {
 /// The model's solid, or with Side::outside the closure of its complement.
 [[nodiscard]] SetNode normal_form(const Model& model, Side side);
 
-/// Primitives that hold the solid together, ascending, once each: every point of it lies in one of them. All those of a
-/// union; of an intersection those of the first operand that has some, so that what is removed is not among them.
+/// Primitives whose union contains the solid, ascending, once each: every point of the solid lies in one of them. For a
+/// union these are all its primitives; for an intersection those of the first operand that has some, so that removed
+/// primitives are not among them.
 [[nodiscard]] std::vector<std::uint32_t> covering_primitives(const Model& model);
 
-/// Primitives, or leaves of the tree where these are more: what one cube may have to look at.
+/// The number of primitives, or of the tree's leaves if there are more of them: the work that one cube may take.
 [[nodiscard]] std::size_t size_of_tree(const Model& model);
 
 /// Colour of the set whose primitives K_i (not their complements) have these colours over a cube. A boundary that two
 /// operands share may stay gray.
 [[nodiscard]] Colour colour(const SetNode& node, std::span<const Colour> primitives);
 
-/// The same of what the cube has of the boundary of the primitive `surface`, which is part of it and of the closure of
-/// its complement alike: black where that lies in the set.
+/// The colour of the cube's part of the boundary of the primitive `surface`. The boundary is part of the primitive and
+/// of the closure of its complement alike. Black if that part lies in the set.
 [[nodiscard]] Colour colour_of_surface(const SetNode& node, std::span<const Colour> primitives, std::uint32_t surface);
 
-/// Primitives with leaves on both sides, ascending: of A - (A - B), the boundary of A is left.
+/// Primitives with leaves on both sides, ascending: A - (A - B) leaves the boundary of A.
 [[nodiscard]] std::vector<std::uint32_t> on_both_sides(const SetNode& node);
 
-/// The shorter tree that is the same set within the cube where the primitives have these colours. Precondition:
+/// The shorter tree that is the same set within a cube over which the primitives have these colours. Precondition:
 /// colour(node, primitives) is gray.
 [[nodiscard]] SetNode simplified(const SetNode& node, std::span<const Colour> primitives);
 
@@ -99,11 +101,11 @@ struct SetTerm {
   friend bool operator==(const SetTerm&, const SetTerm&) = default;
 };
 
-/// Terms whose union is the set; none that another one contains. Nothing where a primitive has no bit, or where there
-/// are more than `most` terms on the way.
+/// Terms whose union is the set; no term contains another one. Nothing if a primitive has no bit, or if more than
+/// `most` terms arise on the way.
 [[nodiscard]] std::optional<std::vector<SetTerm>> terms_of(const SetNode& tree, std::size_t most);
 
-// Colours of the primitives of a tree over cubes: what a tree does not hold costs nothing, however large the model.
+// Colours of the primitives of a tree over cubes: primitives outside the tree cost nothing, however large the model.
 
 /// Works in its own memory: one for each thread.
 class TreeColours {
@@ -112,8 +114,8 @@ class TreeColours {
   explicit TreeColours(std::span<const BoxPrimitive> primitives)
       : primitives_(primitives), colours_(primitives.size(), Colour::gray), looked_at_(primitives.size(), 0) {}
 
-  /// Of the primitives of the tree's leaves, each looked at once; of the others the result says nothing. Valid until
-  /// the next call.
+  /// The colours of the primitives of the tree's leaves; each is evaluated once. Colours of other primitives are
+  /// meaningless. Valid until the next call.
   [[nodiscard]] std::span<const Colour> operator()(const SetNode& tree, const Cube& cube) {
     ++cube_;
     any_decided_ = false;
@@ -121,7 +123,7 @@ class TreeColours {
     return colours_;
   }
 
-  /// Whether one of those is not gray.
+  /// Returns whether one of these primitives is not gray.
   [[nodiscard]] bool any_decided() const { return any_decided_; }
 
  private:
@@ -143,7 +145,7 @@ class TreeColours {
 
 // Boxes and half-spaces that hold a solid.
 
-// Boxes of points in interval arithmetic: what two of them say together, and their binary64 form.
+// Boxes of points in interval arithmetic: their intersection, and their binary64 form.
 
 [[nodiscard]] inline Enclosure rounded_outward(const PreciseInterval& x) {
   return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
@@ -153,7 +155,7 @@ class TreeColours {
   return {rounded_outward(box[0]), rounded_outward(box[1]), rounded_outward(box[2])};
 }
 
-/// Both contain the same number, which `what` names; throws Error(failure) where they have nothing in common.
+/// Both intervals contain the same number, which `what` names; throws Error(failure) if they have nothing in common.
 [[nodiscard]] inline PreciseInterval intersection(const PreciseInterval& x, const PreciseInterval& y,
                                                   std::string_view what) {
   const Real lower = std::max(x.lower(), y.lower());
@@ -162,7 +164,7 @@ class TreeColours {
   return {lower, upper};
 }
 
-/// Both contain the same point.
+/// Both boxes contain the same point.
 [[nodiscard]] inline PreciseVector intersection(const PreciseVector& x, const PreciseVector& y, std::string_view what) {
   return {intersection(x[0], y[0], what), intersection(x[1], y[1], what), intersection(x[2], y[2], what)};
 }
@@ -195,17 +197,17 @@ struct Box {
 
 using BoxOfPrimitive = std::function<Box(std::uint32_t primitive)>;
 
-/// Contains the tree's set, from boxes that contain its leaves' primitives. Each leaf is asked for once at most: a
-/// difference does not look at what it removes.
+/// Contains the tree's set, from boxes that contain its leaves' primitives. Each leaf's box is computed at most once: a
+/// difference does not need the operands that it removes.
 [[nodiscard]] Box bounding_box(const SetExpression& expression, const BoxOfPrimitive& box_of_primitive);
 
-/// Contains the model's solid: the hull of its primitives' boxes in a union, what the boxes have in common in an
-/// intersection (the first one's where they have nothing in common), the first operand's in a difference. A primitive's
-/// box encloses that of its own frame, bent where the primitive is (of the plane of the bend only what the solid
-/// reaches), and posed.
+/// Contains the model's solid: for a union the hull of its primitives' boxes, for an intersection the common part of
+/// the boxes (the first box if they have nothing in common), for a difference the first operand's box. A primitive's
+/// box encloses the box of its own frame, bent if the primitive is bent (only the part of the bend's plane that the
+/// solid reaches), and posed.
 [[nodiscard]] Box bounding_box(const Model& model);
 
-// Where a solid is, about, for searches to begin at: proves nothing.
+// The approximate place of a solid, as a start for searches: proves nothing.
 
 /// A ball about the middle of its bounding box.
 struct SolidExtent {
@@ -215,18 +217,18 @@ struct SolidExtent {
 
 [[nodiscard]] SolidExtent extent_of(const Model& model);
 
-// What half-spaces prove of all points of a triangle: how deep they lie in a union of convex primitives at most, or
-// how far from it at least (docs/mathematics.md §15).
+// Bounds by half-spaces for all points of a triangle: how deep they lie in a union of convex primitives at most, or how
+// far from it at least (docs/mathematics.md §15).
 
-/// Off by the square of the triangle's size where a ball about one of its points is off by its size. Immutable: safe to
-/// call from many threads.
+/// The bound is off by the square of the triangle's size; a ball about one of its points is off by its size. Immutable:
+/// safe to call from many threads.
 class HalfSpaceBound {
  public:
   /// Precondition: is_union_of_convex(model).
   explicit HalfSpaceBound(const Model& model);
 
-  /// No signed distance of a point of the triangle is less. Minus infinity where two primitives may hold such a point:
-  /// it may lie deeper in their union than in each. Precondition: finite.
+  /// A lower bound of the signed distances of all points of the triangle. Minus infinity if two primitives may contain
+  /// one of these points: it may lie deeper in their union than in each. Precondition: finite.
   [[nodiscard]] double operator()(const Triangle& triangle) const;
 
  private:

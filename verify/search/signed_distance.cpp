@@ -54,16 +54,16 @@ class Part {
  private:
   std::uint32_t index_;
   UnionPart part_;
-  std::unique_ptr<SolidDistance> inside_;  ///< of bent ones
+  std::unique_ptr<SolidDistance> inside_;  ///< for bent parts
   double roughness_ = 0.0;
 };
 
-/// What is known of a part's surface about x.
+/// The known distance of a part's surface from x.
 struct Surface {
   const Part* part;
   Enclosure distance;  ///< signed
 
-  /// Of x from the surface.
+  /// Bounds of the distance of x from the surface.
   [[nodiscard]] double nearest() const { return std::max({distance.lo, -distance.hi, 0.0}); }
   [[nodiscard]] double farthest() const { return std::max(distance.hi, -distance.lo); }
 };
@@ -93,9 +93,9 @@ struct SetClosestPoint::State {
     for (const std::uint32_t leaf : leaves) parts.emplace_back(model.primitives[leaf], leaf);
   }
 
-  /// What the others leave of it within the distance of its surface: black where the model is that primitive there,
-  /// white where it is its complement, gray where that is not proven. Of parts that are not among `known` the ball is
-  /// all outside.
+  /// The model's relation to the primitive `deciding` within the distance of its surface: black if the model is that
+  /// primitive there, white if it is the primitive's complement, gray if neither is proven. The ball lies outside of
+  /// all parts that are not among `known`.
   [[nodiscard]] Colour share(const Surface& deciding, std::span<const Surface> known) const {
     std::vector<Colour> colours(primitives, Colour::white);
     for (const Surface& other : known) {
@@ -160,8 +160,8 @@ bool removes(const SetExpression& expression) {
          std::ranges::any_of(expression.operands, removes);
 }
 
-/// The primitives that a tree names, those that it removes apart from those that it keeps: a solid grows where what it
-/// keeps grows, and shrinks where what it removes does (docs/mathematics.md §8).
+/// The primitives that a tree names, with a removed use of a primitive apart from a kept use. A solid grows if its kept
+/// primitives grow, and shrinks if its removed ones do (docs/mathematics.md §8).
 class NamedPrimitives {
  public:
   struct Use {
@@ -170,7 +170,7 @@ class NamedPrimitives {
     bool operator==(const Use&) const = default;
   };
 
-  /// The same tree, with indices of uses(). What is removed from something that is removed is kept.
+  /// The same tree, with indices of uses(). A primitive removed from a removed operand is kept.
   [[nodiscard]] SetExpression renamed(const SetExpression& expression, bool removed = false) {
     SetExpression result{.operation = expression.operation};
     for (std::size_t i = 0; i < expression.operands.size(); ++i) {
@@ -193,7 +193,8 @@ class NamedPrimitives {
   std::vector<Use> uses_;
 };
 
-/// Of what is removed the other model's: where the one has its smallest the other has its largest.
+/// Exchanges the removed primitives of both models: where one model has the smallest primitive, the other has the
+/// largest.
 void exchange_what_is_removed(Bracket& models) {
   NamedPrimitives named;
   const SetExpression csg = named.renamed(*models.smallest.csg);
@@ -224,19 +225,19 @@ constexpr Enclosure nothing_known{-infinity, infinity};
 /// Narrower enclosures are not searched for, in parts of the model's radius.
 constexpr double search_limit = 1e-10;
 
-/// Of a tolerance inside. What one primitive alone proves of the upper end may be loose: most is left to that.
+/// Share of a tolerance inside. The upper end that one primitive alone proves may be loose: most is left for that.
 constexpr double share_of_escape = 1.0 / 16;
 
 bool never() {
   return false;
 }
 
-/// What certificates of convex primitives need.
+/// The data for certificates of convex primitives.
 struct ConvexUnion {
   explicit ConvexUnion(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {}
 
-  /// Outside, and of a single primitive, certificates are tight; where primitives may overlap, their union is deeper
-  /// than each of them, and the escape along a ray may be far from the shortest.
+  /// Outside, and for a single primitive, certificates are tight. If primitives may overlap, their union is deeper than
+  /// each of them, and the escape along a ray may be far from the shortest.
   [[nodiscard]] bool loose(const Enclosure& found, double tolerance) const {
     return primitives.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
   }
@@ -288,7 +289,7 @@ struct SignedDistance::State {
     return result;
   }
 
-  /// What single primitives prove of a union, without covers.
+  /// The enclosure that single primitives prove for a union, without covers.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance,
                                              const std::function<bool()>& interrupted) const {
     const double width = std::max(tolerance, resolution);
@@ -310,7 +311,7 @@ struct SignedDistance::State {
   }
 
   std::optional<ConvexUnion> convex;
-  std::optional<verify::SetClosestPoint> operations;  ///< where there are others than the union
+  std::optional<verify::SetClosestPoint> operations;  ///< set if there are other operations than the union
   verify::SolidDistance search;
   verify::ExactChecker checker;
   std::vector<verify::UnionPart> parts;

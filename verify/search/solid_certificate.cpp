@@ -120,7 +120,7 @@ class Covering {
   }
 
  private:
-  /// Normals of the primitives that have the whole ball on one side, but for what spheres say.
+  /// Normals of the primitives that have the whole ball on one side, unless spheres prove that.
   std::vector<Normal> telling(double r) {
     std::vector<Normal> result;
     for (std::size_t i = 0; i < solid_.parts.size() && !interrupted_(); ++i) {
@@ -138,7 +138,7 @@ class Covering {
   const CoveredSolid& solid_;
   Point x_;
   const std::function<bool()>& interrupted_;
-  std::vector<std::optional<CertifiedEnclosure>> parts_;  ///< of those that were looked at
+  std::vector<std::optional<CertifiedEnclosure>> parts_;  ///< results for the parts processed so far
 };
 
 }  // namespace
@@ -196,7 +196,7 @@ CertifiedEnclosure covered(const CoveredSolid& solid, const Point& x, const Cert
 
 namespace {
 
-/// Of the triangle's point nearest to x, next to it.
+/// The weights of the triangle's point nearest to x, or of a point next to it.
 Weights nearest_weights(const Triangle& triangle, const Point& x) {
   const auto wide = [&](std::size_t i) {
     return Coordinates<long double>{static_cast<long double>(triangle[i][0]) - x[0],
@@ -216,14 +216,14 @@ Weights nearest_weights(const Triangle& triangle, const Point& x) {
   if (std::isfinite(s) && std::isfinite(t)) {
     return rounded_into_triangle({static_cast<double>(s), static_cast<double>(t)});
   }
-  // Of a degenerate triangle, along its longer edge from the corner.
+  // For a degenerate triangle, along its longer edge from the corner.
   const bool along_u = uu >= vv;
   const long double share = std::max(uu, vv) > 0.0L ? dot(at, along_u ? u : v) / std::max(uu, vv) : 0.0L;
   return rounded_into_triangle(along_u ? Weights{static_cast<double>(share), 0.0}
                                        : Weights{0.0, static_cast<double>(share)});
 }
 
-/// Normals of the primitives that are as far as that, but for what spheres say.
+/// Normals of the primitives that are as far as `radius`, unless spheres prove that.
 std::vector<Normal> telling(const CoveredModel& model, const Triangle& triangle, double radius) {
   std::vector<Normal> result;
   for (std::size_t i = 0; i < model.convex.size(); ++i) {

@@ -31,7 +31,8 @@ namespace verisq::verify {
 namespace {
 
 constexpr std::size_t kMostCubes = 20000;
-/// Of leaves, for the points that primitives propose before the search: each is tried against the whole tree.
+/// The largest number of leaf evaluations for the points that primitives propose before the search: each point is tried
+/// against the whole tree.
 constexpr std::size_t kMostLooks = std::size_t{1} << 16;
 
 /// The solid, ready for searches.
@@ -50,11 +51,11 @@ struct Scene {
 
   SetNode inside;
   SetNode outside;           ///< the closure of its complement
-  std::optional<Cube> root;  ///< contains the solid; nothing where it is too large for binary64
+  std::optional<Cube> root;  ///< contains the solid; nothing if the solid is too large for binary64
   std::vector<BoxPrimitive> primitives;
-  std::vector<Point> origins;                          ///< of the primitives' frames
-  std::vector<std::optional<ConvexPrimitive>> convex;  ///< nothing where the primitive is bent
-  std::vector<std::optional<BentDistance>> bent;       ///< nothing where it is convex
+  std::vector<Point> origins;                          ///< origins of the primitives' frames
+  std::vector<std::optional<ConvexPrimitive>> convex;  ///< nothing if the primitive is bent
+  std::vector<std::optional<BentDistance>> bent;       ///< nothing if the primitive is convex
 };
 
 /// The primitives of the leaves on that side.
@@ -88,7 +89,7 @@ Proposal from(const Point& a, const Point& b) {
   return {part(0), part(1), part(2)};
 }
 
-/// Of lengths computed with numbers of this size.
+/// The rounding error of lengths computed with numbers of this size.
 double rounding_error(const Point& x, const Cube& root) {
   double size = root.half_width;
   for (std::size_t i = 0; i < 3; ++i) size = std::max({size, std::fabs(x[i]), std::fabs(root.centre[i])});
@@ -103,7 +104,7 @@ struct Node {
   Cube cube;
   SetNode tree;     ///< the target within the cube
   double lower;     ///< proven of the distance to the target within the cube
-  Point candidate;  ///< where the nearest point may be; proves nothing
+  Point candidate;  ///< a possible nearest point; proves nothing
 };
 
 struct LessPromising {
@@ -140,7 +141,7 @@ class Search {
   Search(const Search&) = delete;  // refers to itself
   Search& operator=(const Search&) = delete;
 
-  /// The point of T that proved the upper bound, unless a whole cube, a certificate or what was known did.
+  /// The point of T that proved the upper bound, unless a whole cube, a certificate or `known` did.
   [[nodiscard]] const std::optional<Point>& witness() const { return witness_; }
 
   [[nodiscard]] Enclosure run(const std::function<bool()>& interrupted) {
@@ -217,8 +218,8 @@ class Search {
     return true;
   }
 
-  /// A boundary alone may be all that T has about p, as that of A has A - (A - B): its points are none that binary64
-  /// knows, but between a point strictly inside a primitive and one outside it there is one.
+  /// A boundary may be all of T about p, as the boundary of A is in A - (A - B). Its points need not be binary64
+  /// numbers, but between a point strictly inside a primitive and one outside it there is one.
   bool accept_surface_about(const Point& p) {
     return std::ranges::any_of(both_sides_, [&](std::uint32_t primitive) {
       const Proposal inwards = from(p, scene_.origins[primitive]);
@@ -247,7 +248,7 @@ class Search {
     return accept(p, contains(node.cube, p) ? node.tree : target_);
   }
 
-  /// At each new scale, and now and then: proposals cost as much as dividing a cube.
+  /// True at each new scale, and now and then: proposals cost as much as dividing a cube.
   [[nodiscard]] bool worth_improving(const Cube& cube) {
     const bool smaller = cube.half_width < finest_;
     finest_ = std::min(finest_, cube.half_width);
@@ -297,8 +298,8 @@ class Search {
     return leaves;
   }
 
-  /// Where one plane does not tell the shape, at a tip or an edge: from the candidate into the primitives that it may
-  /// be a tip of. Bent or not, a primitive contains the origin of its frame.
+  /// If one plane does not determine the shape, at a tip or an edge: moves from the candidate into the primitives whose
+  /// tip it may be. Bent or not, a primitive contains the origin of its frame.
   void improve_towards_centres(const Node& node) {
     for (const std::uint32_t i : leaves_about(node.candidate, node.tree)) {
       const Proposal inwards = from(node.candidate, scene_.origins[i]);
@@ -317,7 +318,7 @@ class Search {
     }
   }
 
-  // --- What single primitives prove by their certificates ---
+  // --- Bounds by the certificates of single primitives ---
 
   [[nodiscard]] std::vector<bool> leaves(Side side) const {
     std::vector<std::uint32_t> leaves;
@@ -435,7 +436,7 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
   if (!scene.root || !is_finite(x)) return known;
   const std::vector<Colour> at_x = colours_at(scene, x);
   const Colour here = contains(*scene.root, x) ? verify::colour(scene.inside, at_x) : Colour::white;
-  // Where the sign is open, the distances to either side bound half of the enclosure each.
+  // If the sign is open, the distances to either side bound half of the enclosure each.
   const double share = here == Colour::gray ? tolerance / 2 : tolerance;
   Enclosure result{-infinity, infinity};
   if (here != Colour::black) {

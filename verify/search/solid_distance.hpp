@@ -24,13 +24,14 @@ class SolidDistance {
   SolidDistance(SolidDistance&&) noexcept;
   SolidDistance& operator=(SolidDistance&&) noexcept;
 
-  /// Encloses the exact signed distance; works until it is at most `tolerance` wide, the budget of cubes is spent or
-  /// `interrupted` (polled) says so: then it is valid, and wide. `known` is what is proven already.
+  /// Encloses the exact signed distance. Works until the enclosure is at most `tolerance` wide, the budget of cubes is
+  /// spent or `interrupted` (polled) returns true; in the last two cases it is valid, and wide. `known` is an enclosure
+  /// that is proven already.
   [[nodiscard]] Enclosure operator()(const Point& x, double tolerance, const Enclosure& known,
                                      const std::function<bool()>& interrupted) const;
 
-  /// A point proven to lie in the solid, or with Side::outside beyond it, hardly farther from x than any is; nothing
-  /// where none was found.
+  /// A point proven to lie in the solid, or with Side::outside beyond it, hardly farther from x than the nearest such
+  /// point. Nothing if none was found.
   [[nodiscard]] std::optional<Point> nearest(const Point& x, Side side, double tolerance,
                                              const std::function<bool()>& interrupted) const;
   [[nodiscard]] std::optional<Point> escape(const Point& x, double tolerance,
@@ -38,7 +39,7 @@ class SolidDistance {
     return nearest(x, Side::outside, tolerance, interrupted);
   }
 
-  /// Of a point.
+  /// The colour of a point.
   [[nodiscard]] Colour colour(const Point& x) const;
 
  private:
@@ -48,10 +49,10 @@ class SolidDistance {
 
 // Signed distances to set operations, closest points, uncertain sizes.
 
-/// Let the ball about x that just holds the nearest surface point p of a primitive K be such that every other primitive
-/// has it all inside or all outside, or does not matter within it, whatever lies in K; then the model is K there, or
-/// what K leaves, and p is its nearest surface point, too (docs/mathematics.md §25). Immutable: safe to call from many
-/// threads.
+/// Consider the ball about x that just contains the nearest surface point p of a primitive K. Let every other primitive
+/// contain the ball, miss it, or not matter within it, whatever lies in K. Then the model is K in the ball, or the
+/// complement of K, and p is its nearest surface point, too (docs/mathematics.md §25). Immutable: safe to call from
+/// many threads.
 class SetClosestPoint {
  public:
   explicit SetClosestPoint(const Model& model);
@@ -59,8 +60,8 @@ class SetClosestPoint {
   SetClosestPoint(SetClosestPoint&&) noexcept;
   SetClosestPoint& operator=(SetClosestPoint&&) noexcept;
 
-  /// Nothing where no primitive decides. `farthest`: an upper bound of the distance of x to the model's surface, which
-  /// only saves time; infinite where nothing is known.
+  /// Nothing if no primitive decides. `farthest` is an upper bound of the distance of x to the model's surface, which
+  /// only saves time; infinite if none is known.
   [[nodiscard]] std::optional<ClosestPoint> operator()(const Point& x, double farthest) const;
 
  private:

@@ -26,7 +26,7 @@ BoundedMotion::BoundedMotion(const Pose& pose)
     : precise_(RigidMotion(pose)), inverse_(precise_.inverse()), rotation_{}, translation_(pose.translation) {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      // Both ends are within 2^-52 of the exact entry, because 127 bits lose nothing that counts here.
+      // Both ends are within 2^-52 of the exact entry: the roundings of 127 bits are negligible here.
       rotation_[i][j] = nearest(precise_.rotation(i, j));
     }
   }
@@ -126,7 +126,7 @@ bool comparable(const CutCube& p, const CutCube& q) {
   return !p.half_spaces().empty() && p.half_spaces().size() == q.half_spaces().size();
 }
 
-/// By how much the half-spaces' normals differ. Precondition: comparable.
+/// The largest difference of the half-spaces' normals. Precondition: comparable.
 double turn(const CutCube& p, const CutCube& q) {
   double largest = 0.0;
   for (std::size_t j = 0; j < p.half_spaces().size(); ++j) {
@@ -255,7 +255,7 @@ Point unit(const Point& n) {
 
 template <Separable X, Separable Y>
 double lower_by_direction(const X& x, const Y& y, const BoundedMotion& motion, const Point& n) {
-  // n·(R y + t - x) = (R^T n)·y + n·t - n·x, with m for R^T n: what m is off by meets |y|_1 at most.
+  // n·(R y + t - x) = (R^T n)·y + n·t - n·x, with m for R^T n: the error of m is multiplied by at most |y|_1.
   const Point m = motion.direction_in_b(n);
   const double support_x = x.support(n);
   const double support_y = y.support({-m[0], -m[1], -m[2]});
@@ -314,8 +314,8 @@ CutCube lowered(const SearchSolid& solid, const SetNode& set, const Point& x, do
   return {{x, half_width}, half_spaces};
 }
 
-/// Where no plane tells the shape, at a tip or an edge: on the ways into the primitives that it may be a tip of. Bent
-/// or not, a primitive contains its centre.
+/// If no plane determines the shape, at a tip or an edge: tries points on the ways into the primitives whose tip it may
+/// be. Bent or not, a primitive contains its centre.
 std::optional<Point> settle_towards_centres(const SearchSolid& solid, const Cell& cell, const Point& x) {
   std::optional<Point> settled;
   for_each_containing(*cell.set, [&](std::uint32_t primitive) {
@@ -330,7 +330,7 @@ std::optional<Point> settle_towards_centres(const SearchSolid& solid, const Cell
 }
 
 /// A point proven to lie in the cell's part, near x. The tangent plane of a convex gauge lies outside, hence the
-/// margins: they begin with the rounding error and grow until the curvature is paid for.
+/// margins: they begin with the rounding error and grow until they cover the curvature.
 std::optional<Point> settle(const SearchSolid& solid, const Cell& cell, Point x, double scale) {
   double margin = 0x1p-51 * (largest(x) + scale);
   for (int i = 0; i < kMostMargins; ++i) {

@@ -17,14 +17,14 @@
 
 namespace verisq::verify {
 
-// The motion of the second model, precise for what is said last and in binary64 with an error bound for the search.
+// The motion of the second model: precise for the final statements, and in binary64 with an error bound for the search.
 
 /// From the frame of B to that of A: x -> R x + t.
 class BoundedMotion {
  public:
   explicit BoundedMotion(const Pose& pose);
 
-  // About: these prove nothing.
+  // Approximate: these prove nothing.
   [[nodiscard]] Point to_a(const Point& in_b) const;
   [[nodiscard]] Point to_b(const Point& in_a) const;
 
@@ -61,7 +61,7 @@ struct SearchSolid {
   };
 
   std::vector<BoxPrimitive> primitives;
-  std::vector<SeparablePrimitive> separable;  ///< the same
+  std::vector<SeparablePrimitive> separable;  ///< the same primitives
   std::vector<Part> parts;                    ///< the solid is their union
 };
 
@@ -75,11 +75,11 @@ void for_each_containing(const SetNode& set, const Visit& visit) {
   if (set.kind == SetNode::Kind::intersection_of) std::ranges::for_each(set.operands, visit_leaf);
 }
 
-/// Whether the cube is proven to lie in the interior of the set.
+/// Returns whether the cube is proven to lie in the interior of the set.
 [[nodiscard]] bool strictly_inside(const SearchSolid& solid, const SetNode& set, const Cube& cube);
 
-/// A polytope that contains the set's part in the cube. Precondition: no union at the top, or else only the cube
-/// counts.
+/// A polytope that contains the set's part in the cube. Precondition: no union at the top; for one only the cube is
+/// used.
 [[nodiscard]] CutCube relaxation(const SearchSolid& solid, const SetNode& set, const Cube& cube);
 
 /// Indices from `first` to before `end`.
@@ -88,17 +88,17 @@ struct CellRange {
   std::uint32_t end;
 };
 
-/// What the set that `set` names has in the cube: no less than the solid has there, together with the cell's siblings.
+/// The part of the set `set` in the cube. Together with its siblings it contains at least the solid's part in the cube.
 struct Cell {
   CutCube polytope;
-  const SetNode* set;   ///< what is left of `part` in the cube; elsewhere it may be another set
+  const SetNode* set;   ///< the simplified `part` in the cube; elsewhere it may be another set
   const SetNode* part;  ///< one of SearchSolid::parts
   bool inside;          ///< the cube lies in the interior of the solid
-  double slack;         ///< about how far the polytope exceeds the set: what refining may gain; proves nothing
-  std::optional<CellRange> children = {};  ///< once asked for
+  double slack;         ///< about how far the polytope exceeds the set, the possible gain of refining; proves nothing
+  std::optional<CellRange> children = {};  ///< set once they are needed
 };
 
-/// The cells of one search. A union's operands become cells of their own, so that each has half-spaces to be cut by.
+/// The cells of one search. A union's operands become cells of their own, so that half-spaces can cut each of them.
 class Cells {
  public:
   explicit Cells(const SearchSolid& solid);
@@ -106,7 +106,7 @@ class Cells {
   [[nodiscard]] const Cell& operator[](std::uint32_t index) const { return cells_[index]; }
   [[nodiscard]] std::uint32_t roots() const { return roots_; }  ///< indices 0 to roots() - 1
 
-  /// They contain all that the set has in the cell. Nothing where binary64 cannot halve the cube any more.
+  /// The children contain all of the set's part in the cell. Nothing if binary64 cannot halve the cube any more.
   [[nodiscard]] std::optional<CellRange> children(std::uint32_t index);
 
   [[nodiscard]] std::uint64_t evaluated() const { return evaluated_; }
@@ -127,11 +127,11 @@ class Cells {
 
 // Lower bounds of the distance of two convex sets, one of which is moved.
 
-/// n / |n|, about; zero where n is, or is no vector.
+/// n / |n|, about; zero if n is zero, or has no direction.
 [[nodiscard]] Point unit(const Point& n);
 
-/// What a bound asks of a set: a cube that contains it, at least the largest direction·(x - the cube's centre) over it,
-/// and about its point nearest to x.
+/// The requirements of a bound on a set: a cube that contains it; an upper bound of direction·(x - the cube's centre)
+/// over it; and about its point nearest to x.
 template <class T>
 concept Separable = requires(const T& set, const Point& x) {
   { set.cube() } -> std::same_as<const Cube&>;
@@ -139,15 +139,15 @@ concept Separable = requires(const T& set, const Point& x) {
   { set.nearest(x) } -> std::same_as<Point>;
 };
 
-/// At least 0: proven by the slab between the planes normal to n, which is in the frame of A like x, and about as long
-/// as 1. Any n is valid.
+/// A lower bound of the distance, at least 0: proven by the slab between the planes normal to n. n is in the frame of
+/// A, like x, and has a length of about 1. Any n is valid.
 template <Separable X, Separable Y>
 [[nodiscard]] double lower_by_direction(const X& x, const Y& y, const BoundedMotion& motion, const Point& n);
 
-/// What alternating projections find.
+/// The result of alternating projections.
 struct Approach {
   double lower;    ///< proven
-  double between;  ///< |on_b moved - on_a|, about: what the sets leave to be gained
+  double between;  ///< |on_b moved - on_a|, about: the possible gain between the sets
   Point on_a;      ///< in the frame of A; in the set, about
   Point on_b;      ///< in the frame of B
 };
@@ -156,7 +156,7 @@ struct Approach {
 template <Separable X, Separable Y>
 [[nodiscard]] Approach approach(const X& x, const Y& y, const BoundedMotion& motion, const Point& guess, double enough);
 
-// Here for two cut cubes, or one and a whole primitive.
+// Instantiated for two cut cubes, or a cut cube and a whole primitive.
 extern template double lower_by_direction(const CutCube&, const CutCube&, const BoundedMotion&, const Point&);
 extern template Approach approach(const CutCube&, const CutCube&, const BoundedMotion&, const Point&, double);
 extern template Approach approach(const WholePrimitive&, const CutCube&, const BoundedMotion&, const Point&, double);
@@ -182,7 +182,7 @@ class PointSearch {
   [[nodiscard]] std::optional<NearPoints> settled(const Cell& x, const Cell& y, const Point& near_a,
                                                   const Point& near_b, double scale) const;
 
-  /// The same where planes do not tell the shape, as at tips.
+  /// The same if planes do not determine the shape, as at tips.
   [[nodiscard]] std::optional<NearPoints> settled_towards_centres(const Cell& x, const Cell& y, const Point& near_a,
                                                                   const Point& near_b) const;
 
@@ -190,7 +190,7 @@ class PointSearch {
   /// no more than `gain`.
   [[nodiscard]] NearPoints improved(const Cell& x, const Cell& y, NearPoints points, double scale, double gain) const;
 
-  /// Whether `at`, of A's frame, is proven to lie in both cells' parts.
+  /// Returns whether `at`, of A's frame, is proven to lie in both cells' parts.
   [[nodiscard]] bool common(const Cell& x, const Cell& y, const Point& at) const;
 
  private:

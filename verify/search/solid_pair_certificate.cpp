@@ -34,7 +34,7 @@ void append_hollows(const SetNode& node, const Model& model, std::vector<Ball>& 
   for (const SetNode& operand : node.operands) append_hollows(operand, model, result);
 }
 
-/// About the μ with the least bound: convex in μ, searched for by the logarithm of what it exceeds the largest b² by.
+/// About the μ with the least bound: the bound is convex in μ, and the search runs over ln(μ / (largest b²) - 1).
 double multiplier(const std::array<double, 3>& b, const std::array<double, 3>& c) {
   const double largest = std::ranges::max(b) * std::ranges::max(b);
   const auto bound = [&](double exponent) {
@@ -153,7 +153,8 @@ namespace {
 
 constexpr std::uint64_t kMostSteps = 4096;  // pairs of sections; some forty decide where bent stems lie side by side
 
-/// Of an intersection one of them is enough; which one, nothing tells beforehand.
+/// Adds the primitives that contain the set. For an intersection one of them is enough; which one is not known
+/// beforehand.
 void add_holding(const SetNode& set, std::set<std::uint32_t>& result) {
   if (set.kind == SetNode::Kind::leaf && set.side == Side::inside) result.insert(set.primitive);
   for (const SetNode& operand : set.operands) add_holding(operand, result);
@@ -176,7 +177,7 @@ class Certification {
  public:
   using Stop = std::function<bool()>;
 
-  /// To be proven is the lower end of `distance`.
+  /// The lower end of `distance` is to be proven.
   Certification(const SearchedModel& a, const SearchedModel& b, const Pose& pose, const Enclosure& distance,
                 double tolerance, Stop interrupted)
       : a_(&a),
@@ -234,15 +235,15 @@ class Certification {
   }
 
  private:
-  /// Whether spheres prove it, too, by far.
+  /// Returns whether spheres prove it, too, by far.
   [[nodiscard]] bool is_far(const SeparablePrimitive& a, const SeparablePrimitive& b) const {
     const PreciseVector between = motion_(precise(b.centre)) - precise(a.centre);
     const double centres = length<Real>(between).lower().to_double(Direction::down);
     return centres - a.reach - b.reach > distance_;
   }
 
-  /// Those that may prove the distance, about primitives of `one`; the motion leads to the frame of the other. The
-  /// primitives of which they do are `held`.
+  /// Balls that may prove the distance, about primitives of `one`; the motion leads to the frame of the other. `held`
+  /// gets the primitives whose balls do.
   [[nodiscard]] std::vector<EnclosingBall> balls(const SearchedModel& one, const SearchedModel& other,
                                                  const RigidMotion& to_other, const std::set<std::uint32_t>& of,
                                                  std::set<std::uint32_t>& held) const {
@@ -283,7 +284,7 @@ class Certification {
     if (found) covers.push_back({index, found->radius, found->cover});
   }
 
-  /// Pairs of which one has a cover.
+  /// Drops pairs of which one primitive has a cover.
   template <class IndexOf>
   void close(const std::vector<SurroundedPrimitive>& covers, const IndexOf& index_of) {
     std::erase_if(open_, [&](const auto& pair) {
@@ -297,7 +298,7 @@ class Certification {
   const SearchedModel* b_;
   Pose pose_;
   RigidMotion motion_;  ///< from the frame of B to that of A
-  double distance_;     ///< what is to be proven
+  double distance_;     ///< the distance to be proven
   double witnessed_;    ///< the distance is no more
   double tolerance_;
   Stop interrupted_;

@@ -16,9 +16,9 @@
 
 namespace verisq::verify {
 
-// The distance of a union of convex primitives from any solid, from below: that of the centres of balls that enclose
-// them, less their radii. The head of a joint is a ball, or nearly one, and all of its cup may be about as far from it
-// as the nearest point is.
+// A lower bound of the distance of a union of convex primitives from any solid: the distance of the centres of balls
+// that enclose them, less the balls' radii. The head of a joint is a ball, or nearly one, and all of its cup may be
+// about as far from it as the nearest point is.
 
 struct Ball {
   Point centre;
@@ -28,29 +28,30 @@ struct Ball {
 /// Balls that the model's set operations take away, in its frame.
 [[nodiscard]] std::vector<Ball> hollows(const Model& model);
 
-/// About the multiplier that bounds the distance of the primitive's points from x, of the model's frame, best
+/// About the best multiplier for the bound of the distance of the primitive's points from x, of the model's frame
 /// (verify/proof/solid_pair.hpp).
 [[nodiscard]] double multiplier_about(const Primitive& primitive, const Point& x);
 
-/// That bound.
+/// The bound with that multiplier.
 [[nodiscard]] double farthest_up(const Primitive& primitive, const Point& x);
 
-/// Balls that hold the primitive and may be far from the other model; `hollows` of that, and all else, in the frame of
-/// the primitive's own. None where it is not nearly round and lies in no hollow.
+/// Balls that contain the primitive and may be far from the other model. `hollows` are those of the other model; all
+/// vectors are in the frame of the primitive's own model. None if the primitive is not nearly round and lies in no
+/// hollow.
 [[nodiscard]] std::vector<Ball> enclosing_balls(const Primitive& primitive, std::span<const Ball> hollows);
 
 class EnclosingBalls {
  public:
-  /// Nothing unless the model is a union of convex primitives, of a few.
+  /// Nothing unless the model is a union of a few convex primitives.
   [[nodiscard]] static std::optional<EnclosingBalls> of(const Model& model);
 
-  /// Whether no hollow is needed.
+  /// Returns whether all primitives are balls, so that no hollow is needed.
   [[nodiscard]] bool all_are_balls() const;
 
   /// A lower bound of the distance of these primitives, in A's frame, from B's solid, or the other way round; minus
-  /// infinity where nothing is proven. A ball is its own enclosing one. Any other primitive has to lie in a hollow of
-  /// the other solid: the enclosing ball about the hollow's centre is as far from the hollow's wall as the primitive
-  /// is. Where it leaves the hollow, the ball about its own centre may serve. Distances of centres are searched for to
+  /// infinity if nothing is proven. A ball is its own enclosing ball. Any other primitive must lie in a hollow of the
+  /// other solid: the enclosing ball about the hollow's centre is as far from the hollow's wall as the primitive is. If
+  /// it leaves the hollow, the ball about its own centre may serve. Distances of centres are searched for to
   /// `tolerance`.
   [[nodiscard]] double lower_from_b(const SolidDistance& b, std::span<const Ball> hollows_of_b,
                                     const BoundedMotion& motion, double tolerance,
@@ -75,10 +76,10 @@ class EnclosingBalls {
   std::vector<Primitive> primitives_;
 };
 
-// What proves the distance of two solids again, where planes between sections of their primitives, or balls about
-// these, or covers of their neighbourhoods do.
+// Certificates of the distance of two solids: planes between sections of their primitives, balls about the primitives,
+// or covers of their neighbourhoods.
 
-/// A model, and what searches make of it.
+/// A model, and the data that searches derive from it.
 struct SearchedModel {
   explicit SearchedModel(const Model& of) : model(of), solid(of), places(of) {}
 
@@ -87,14 +88,14 @@ struct SearchedModel {
   ExactChecker places;
 };
 
-/// Of a cover; about a neck beside a rim it has some 200.
+/// The largest number of cells of a cover; a cover about a neck beside a rim has some 200.
 inline constexpr std::size_t most_cells_about_a_primitive = 1000;
 
-/// Planes alone: they lose least while a model moves.
+/// A certificate by planes alone: they lose least while a model moves.
 [[nodiscard]] PairCertificate planes_between(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
                                              const SearchedDistance& found, const SearchOptions& options);
 
-/// As ModelSearch::certified says.
+/// The certificate as defined by ModelSearch::certified.
 [[nodiscard]] PairCertificate certificate_of(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
                                              const SearchedDistance& found, const SearchOptions& options);
 

@@ -108,19 +108,19 @@ constexpr std::uint64_t kStepsBetweenPoints = 16;              // pairs of secti
 constexpr std::uint64_t kFailuresInARow = 16;
 constexpr std::uint64_t kStepsASeparation = 2;  // refined pairs that cost about as much
 
-/// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
+/// No enclosure is required to be narrower than this share of the coordinates: rounding errors would keep every pair.
 constexpr double kFinestRelativeTolerance = 0x1p-42;
 
 struct CellPair {
   double lower;
-  double polytopes;     ///< the bound of the two polytopes alone, or of those that they are parts of
-  double eccentricity;  ///< how far apart the cubes' centres are, in half-widths, where the bound is 0
+  double polytopes;     ///< the bound of the two polytopes alone, or of the polytopes that contain them
+  double eccentricity;  ///< if the bound is 0: the distance of the cubes' centres, in half-widths
   std::uint32_t a;
   std::uint32_t b;
 };
 
-/// The least lower bound first, of pairs whose primitives are separated alike that of the polytopes; where the models
-/// seem to meet, cubes that coincide before those that hardly touch: they lead to common points.
+/// The least lower bound first; among equal bounds, the least bound of the polytopes. If the models seem to meet, cubes
+/// that coincide come before those that hardly touch: they lead to common points.
 struct LaterThan {
   bool operator()(const CellPair& p, const CellPair& q) const {
     if (p.lower != q.lower) return p.lower > q.lower;
@@ -202,7 +202,7 @@ class Search {
     return largest;
   }
 
-  /// Pairs at least this far are left out: what they have is not nearer than the tolerance allows. A trifle less than
+  /// Pairs at least this far are left out: their points are not nearer than the tolerance allows. A trifle less than
   /// upper - tolerance, so that rounding that difference costs nothing.
   [[nodiscard]] double enough() const { return upper_ - 0.999 * tolerance_; }
 
@@ -214,18 +214,18 @@ class Search {
 
   [[nodiscard]] std::uint64_t cubes() const { return a_.evaluated() + b_.evaluated(); }
 
-  /// Whether all that is left is as far as the best points, but for the tolerance. Precondition: something is left.
+  /// Returns whether all remaining pairs are as far as the best points, but for the tolerance. Precondition: a pair
+  /// remains.
   [[nodiscard]] bool known() const { return queue_.top().lower >= enough(); }
 
   [[nodiscard]] bool finished() const {
     if (common_ || queue_.empty() || queue_.size() > kMostPairs || cubes() > kMostCubes) return true;
-    // Where the models seem to meet, a common point says more than a small distance.
+    // If the models seem to meet, a common point is more informative than a small distance.
     if (known() && (queue_.top().lower > 0.0 || steps_when_known_ >= kStepsForCommonPoint)) return true;
     return steps_ > 0 && steps_ % kReportInterval == 0 && options_->interrupted && options_->interrupted();
   }
 
-  /// Bounds a pair, which inherits the bounds of the one that it is a part of, and keeps it where it may have closest
-  /// points.
+  /// Bounds a pair, which inherits the bounds of the pair that contains it, and keeps it if it may have closest points.
   void consider(CellPair pair) {
     const Cell& x = a_[pair.a];
     const Cell& y = b_[pair.b];
@@ -233,8 +233,8 @@ class Search {
     pair.polytopes = std::max(pair.polytopes, found.lower);
     found.lower = std::max(found.lower, pair.lower);
     pair.lower = found.lower;
-    // Of models that do not meet, closest points lie on both boundaries: from a point in the interior of one the way to
-    // the other gets shorter within the model.
+    // If models do not meet, closest points lie on both boundaries: from a point in the interior of one model, the way
+    // to the other gets shorter within the model.
     if ((x.inside || y.inside) && found.lower > 0.0) return;
     pair.eccentricity = found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube());
     if (!keep(pair)) return;
@@ -255,14 +255,14 @@ class Search {
                    : approach(x, whole, motion_, direction_, enough());
   }
 
-  /// Whether the cell holds all of a part that is one convex primitive.
+  /// Returns whether the cell contains all of a part that is one convex primitive.
   [[nodiscard]] static bool is_whole(const Cells& cells, std::uint32_t index, const SearchSolid& solid) {
     const SetNode& set = *cells[index].set;
     return index < cells.roots() && set.kind == SetNode::Kind::leaf && set.side == Side::inside &&
            !solid.separable[set.primitive].bent;
   }
 
-  /// Whether the pair may have points nearer than the tolerance allows to leave out.
+  /// Returns whether the pair may have points nearer than the tolerance allows to leave out.
   bool keep(const CellPair& pair) {
     if (pair.lower > 0.0 && pair.lower >= enough()) {
       left_out_ = std::min(left_out_, pair.lower);
@@ -272,7 +272,8 @@ class Search {
     return true;
   }
 
-  /// What separates the primitives that the pair's sets lie in, from below. Their near points are tried in the sets.
+  /// A lower bound by separating the primitives that contain the pair's sets. The primitives' near points are tried in
+  /// the sets.
   double separation(const CellPair& pair) {
     double greatest = 0.0;
     for_each_containing(*a_[pair.a].set, [&](std::uint32_t i) {
@@ -310,7 +311,7 @@ class Search {
   void refine(const CellPair& pair) {
     nearest_child_.reset();
     bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
-    // Of a whole primitive the bound is tight already; where models may meet, cubes of both lead to common points.
+    // For a whole primitive the bound is tight already; if models may meet, cubes of both lead to common points.
     if (pair.lower > 0.0 && is_whole(a_, pair.a, *solid_a_) != is_whole(b_, pair.b, *solid_b_)) {
       a_first = is_whole(b_, pair.b, *solid_b_);
     }
@@ -349,7 +350,7 @@ class Search {
     }
   }
 
-  /// And the nearer ones that they lead to.
+  /// Tries the points, and the nearer ones that they lead to.
   void try_points(const Cell& x, const Cell& y, const Point& near_a, const Point& near_b) {
     const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
     auto points = points_.settled(x, y, near_a, near_b, scale);
@@ -371,8 +372,7 @@ class Search {
            (x.half_width + y.half_width);
   }
 
-  /// Tries the centres of cubes that lie in one model, and points of both polytopes, away from their faces if they can
-  /// be.
+  /// Tries the centres of cubes that lie in one model, and points of both polytopes, away from their faces if possible.
   bool find_common(const Cell& x, const Cell& y) {
     if (x.inside && try_common(x, y, x.polytope.cube().centre)) return true;
     if (y.inside && try_common(x, y, motion_.to_a(y.polytope.cube().centre))) return true;
@@ -413,11 +413,12 @@ class Search {
   Point direction_{};           ///< from A to B, between the best points
   std::optional<std::array<Point, 2>> near_points_;
   std::optional<Point> common_;
-  std::optional<Child> nearest_child_;  ///< of the pair that is being refined
-  std::map<std::pair<std::uint32_t, std::uint32_t>, PrimitivePairDistance> separations_;  ///< of primitives of A and B
+  std::optional<Child> nearest_child_;  ///< of the pair that is refined at present
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PrimitivePairDistance> separations_;  ///< by pairs of primitives of
+                                                                                          ///< A and B
   std::uint64_t separation_steps_ = 0;
   std::uint64_t steps_ = 0;
-  std::uint64_t failures_ = 0;  ///< of points to be better than those known, since they last were
+  std::uint64_t failures_ = 0;  ///< failures in a row to find better points than the known ones
   std::uint64_t steps_when_known_ = 0;
 };
 
@@ -462,7 +463,7 @@ CertifiedDistance PairSearch::certified(const Pose& pose, const SearchedDistance
 
 namespace verisq {
 
-/// In units of a length.
+/// All lengths are in units of a length.
 struct ModelSearch::State {
   State(const Model& first, const Model& second)
       : a(first),
@@ -470,7 +471,7 @@ struct ModelSearch::State {
         unit(verify::unit_of(a, b)),
         search(verify::in_units(a, unit), verify::in_units(b, unit)) {}
 
-  /// Nothing where it is no longer the point that something is proven of.
+  /// Nothing if scaling changes the point, so that the proof does not apply to it.
   [[nodiscard]] std::optional<Point> in_lengths(const Point& x) const { return verify::in_units(x, 1.0 / unit); }
 
   Model a;

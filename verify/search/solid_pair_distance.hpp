@@ -14,19 +14,19 @@ namespace verisq::verify {
 // Models in units of a power of two: searches square lengths, and squares of huge or tiny ones are not binary64
 // numbers.
 
-/// A power of two about the largest length: of both models, or `largest` where that is larger. 1 unless that length is
+/// A power of two about the largest length: of both models, or `largest` if that is larger. 1 unless that length is
 /// huge or tiny, and division by the unit changes nothing but the exponent of each number of the models.
 [[nodiscard]] double unit_of(const Model& a, const Model& b, double largest = 0.0);
 
-/// Precondition: of a unit that is not 1, unit_of says so.
+/// Precondition: a unit other than 1 is the result of unit_of.
 [[nodiscard]] Model in_units(const Model& model, double unit);
 
-/// Divided by the unit; nothing where that rounds or overflows.
+/// Divided by the unit; nothing if that rounds or overflows.
 [[nodiscard]] std::optional<double> in_units(double length, double unit);
 [[nodiscard]] std::optional<Point> in_units(const Point& x, double unit);
 [[nodiscard]] std::optional<Pose> in_units(const Pose& pose, double unit);
 
-/// Divided by the unit; 0 where that underflows, the largest number where it overflows.
+/// Divided by the unit; 0 if that underflows, the largest number if it overflows.
 [[nodiscard]] double tolerance_in_units(double tolerance, double unit);
 
 /// From units to lengths, rounded outward.
@@ -34,7 +34,7 @@ namespace verisq::verify {
 
 // The distance of two solids by branch and bound over pairs of cubes (docs/mathematics.md §10, §11).
 
-/// As ModelSearch says, which this does the work of.
+/// The search behind ModelSearch, which documents it.
 class PairSearch {
  public:
   PairSearch(const Model& a, const Model& b);
@@ -51,12 +51,12 @@ class PairSearch {
   [[nodiscard]] const SearchSolid& solid_b() const { return b_.solid; }
 
  private:
-  /// Where balls enclose a model, the distances of their centres bound that of the models, however much of the other
-  /// solid is about as near.
+  /// If balls enclose a model, the distances of their centres bound the distance of the models, however much of the
+  /// other solid is about as near.
   struct Enclosed {
     EnclosingBalls balls;
     std::vector<Ball> hollows;  ///< of the other model
-    SolidDistance distance;     ///< from the other model
+    SolidDistance distance;     ///< distances from the other model
   };
 
   [[nodiscard]] static std::optional<Enclosed> enclosed(const Model& model, const Model& other);

@@ -28,11 +28,12 @@ constexpr std::size_t kProbes = 3;
 constexpr int kLooksAtWhole = 10;
 constexpr int kLooksAtPart = 2;
 constexpr std::size_t kPartsAtATime = 1024;
-constexpr std::size_t kPointsAPart = 16;  ///< asked for so far, for each part that is asked about at a time
-constexpr double kFarthestCentre = 8.0;   ///< in sizes of the solid: farther ones of bent solids often take a search
-constexpr double kNextReach = 0.125;      ///< of a centre's reach that was too far
-constexpr double kShareOfReach = 0.9;     ///< of that where another point is as near as the look's
-constexpr double kShareOfAim = 0.5;       ///< of the tolerance is left for what proposals do not know
+constexpr std::size_t kPointsAPart = 16;  ///< requested so far, for each part processed at a time
+constexpr double kFarthestCentre = 8.0;   ///< in sizes of the solid: centres farther from bent solids often take a
+                                          ///< search
+constexpr double kNextReach = 0.125;      ///< factor for the reach of a centre that was too far
+constexpr double kShareOfReach = 0.9;     ///< share of the reach at which another point is as near as the look's
+constexpr double kShareOfAim = 0.5;       ///< this share of the tolerance is left for the errors of proposals
 
 double squared_edge(const Triangle& corners, std::size_t edge) {
   const Point way = difference(corners[(edge + 1) % 3], corners[edge]);
@@ -65,8 +66,8 @@ std::optional<Point> unit_of(const Point& v) {
   return Point{v[0] / size, v[1] / size, v[2] / size};
 }
 
-/// How far from the look, towards the centre, a point is as far from `near` as from where the look's distance comes
-/// from: with w = look - near, u the way to the centre and d the distance, |w + r u| = d + r.
+/// The distance r from the look, towards the centre, at which a point is as far from `near` as from the point of the
+/// look's distance. With w = look - near, u the direction to the centre and d the distance, |w + r u| = d + r.
 double reach_beside(const Look& look, const Point& centre, const Point& near) {
   const std::optional<Point> u = unit_of(difference(centre, look.at));
   if (!u) return 0.0;
@@ -93,7 +94,7 @@ Triangle in_units(const Triangle& triangle, double unit) {
   return {scaled(triangle[0], 1.0 / unit), scaled(triangle[1], 1.0 / unit), scaled(triangle[2], 1.0 / unit)};
 }
 
-/// In these units: what a point is off by because its coordinates underflow, divided by the unit or multiplied again.
+/// In these units: the error of a point by underflow of its coordinates, when divided by the unit or multiplied again.
 double lost_in_units(double unit) {
   return unit == 1.0 ? 0.0 : 0x1p-1073 / std::min(unit, 1.0);
 }
@@ -131,7 +132,7 @@ TriangleBranchAndBound::TriangleBranchAndBound(const Triangle& triangle, const S
   asking_.push_back(root);
 }
 
-/// As if the solid were its centre.
+/// The nearest point, as if the solid were its centre.
 Point TriangleBranchAndBound::nearest_to_centre(const Node& node) const {
   const Look towards{node.corners[0], 0.0, difference(node.corners[0], extent_.centre)};
   return triangle_.point(least_point(frame_, node.piece, node.corners, towards, Curvature(1.0)).weights);
@@ -213,7 +214,7 @@ void TriangleBranchAndBound::keep(const Node& node) {
   }
 }
 
-/// What is done next about a part: a question, or it is halved.
+/// The next step for a part: a question, or halving.
 void TriangleBranchAndBound::advance(Node node) {
   if (plan_ball(node) || plan_next_look(node)) {
     asking_.push_back(node);
@@ -236,7 +237,7 @@ bool TriangleBranchAndBound::plan_ball(Node& node) const {
   return node.question == Question::ball;
 }
 
-/// False where another look promises nothing.
+/// False if another look promises nothing.
 bool TriangleBranchAndBound::plan_next_look(Node& node) const {
   if (node.looks_left == 0) return false;
   if (!node.look) {
@@ -297,7 +298,7 @@ void TriangleBranchAndBound::learn(Node& node, const std::optional<Point>& direc
   node.own_look = true;
 }
 
-/// Where the centre is not as far as it seemed, other points of the solid are nearer to it.
+/// If the centre is not as far as it seemed, other points of the solid are nearer to it.
 void TriangleBranchAndBound::told_ball(Node& node, const Answer& answer) const {
   node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, answer.distance.lo));
   const std::optional<Point> direction = unit_of(answer.direction);
@@ -373,7 +374,7 @@ struct TriangleSearch::State {
 
   SignedDistance distance;
   verify::SolidExtent extent;
-  std::vector<std::optional<TriangleDistance>> convex;  ///< of each primitive alone that is not bent
+  std::vector<std::optional<TriangleDistance>> convex;  ///< for each primitive that is not bent, alone
   verify::SolidDistance search;
   verify::ExactChecker checker;
 };

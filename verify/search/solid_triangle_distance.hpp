@@ -14,59 +14,59 @@
 
 namespace verisq::verify {
 
-/// Asks for points, is told enclosures of their signed distances, and so on until the distance of the triangle is
-/// enclosed: whoever answers may work on the points of many triangles at a time. Inside, lengths are in units of a
-/// power of two where their squares would not be binary64 numbers.
+/// Requests points, receives enclosures of their signed distances, and repeats until the distance of the triangle is
+/// enclosed. So the caller may process the points of many triangles at a time. Internally, lengths are in units of a
+/// power of two if their squares would not be binary64 numbers.
 class TriangleBranchAndBound {
  public:
   /// Stops at the tolerance. Precondition: finite corners.
   TriangleBranchAndBound(const Triangle& triangle, const SolidExtent& extent, double tolerance);
 
-  /// Whether there is nothing more to ask for: at most the tolerance wide, or no part can be divided further.
+  /// Returns whether no more requests are needed: the enclosure is at most the tolerance wide, or no part can be
+  /// divided further.
   [[nodiscard]] bool finished() const;
 
-  /// Contains the distance, 0 where the triangle meets the solid, at any time.
+  /// Contains the distance, 0 if the triangle meets the solid, at any time.
   [[nodiscard]] Enclosure enclosure() const;
 
-  /// Appends the points that it asks for next: finite but for overflow. Precondition: all that it asked for is
-  /// answered.
+  /// Appends the next requested points: finite but for overflow. Precondition: all earlier requests are answered.
   void ask(std::vector<Point>& points);
 
   struct Answer {
     Enclosure distance;  ///< contains the signed distance of the point; an end may be infinite
-    Point direction{};   ///< about its gradient, of any length, for proposals: zero where nobody knows
+    Point direction{};   ///< about its gradient, of any length, for proposals: zero if unknown
   };
 
-  /// To each of these points, in their order.
+  /// The answers for each of the requested points, in their order.
   void answer(std::span<const Answer> in_lengths);
 
-  /// Of the points that were answered for, the one that the upper end is of: nothing is proven of it.
+  /// The answered point that gives the upper end: nothing is proven about it.
   [[nodiscard]] std::optional<Point> nearest() const;
 
-  /// Points so far.
+  /// The number of points requested so far.
   [[nodiscard]] std::size_t asked() const { return asked_; }
 
  private:
   enum class Question : std::uint8_t {
     none,
-    look,    ///< what the distance is at a point of a part
-    probes,  ///< and about it, where it is not told in which direction it grows
+    look,    ///< the distance at a point of a part
+    probes,  ///< the distances about it, if the direction in which it grows is unknown
     ball,    ///< the distance of the centre of a ball that holds a part
   };
 
-  /// A part of the triangle, and what is known for proposals about it.
+  /// A part of the triangle, and its data for proposals.
   struct Node {
     Piece piece;
     Triangle corners;
-    double lower;  ///< proven of its distance
+    double lower;  ///< proven lower bound of its distance
     std::optional<Look> look;
-    bool own_look;  ///< the look was made for this part: at its least point, as far as known
+    bool own_look;  ///< the look was made for this part: at its least point, as far as it is known
     int looks_left;
     Curvature curvature;
     double reach;  ///< as far from the look a centre may be as far from the solid as it seems
     Question question;
-    Point at;            ///< that it asks for, or about
-    Enclosure distance;  ///< of that point, where probes about it are asked for
+    Point at;            ///< the requested point, or the point about which probes are requested
+    Enclosure distance;  ///< the distance of that point, if probes about it are requested
     double step;         ///< of probes
     double ball_reach;
   };
@@ -74,7 +74,7 @@ class TriangleBranchAndBound {
     bool operator()(const Node& a, const Node& b) const { return a.lower > b.lower; }
   };
 
-  /// All of it, and the extent, in these units.
+  /// The constructor for the whole triangle; the extent is in these units.
   TriangleBranchAndBound(const Triangle& triangle, const SolidExtent& extent, double tolerance, double unit);
 
   [[nodiscard]] Enclosure enclosure_in_units() const;
@@ -100,7 +100,7 @@ class TriangleBranchAndBound {
   double upper_ = infinity;
   std::optional<Point> nearest_;
   double left_out_ = infinity;  ///< the least lower bound of the parts that are looked at no more
-  double width_ = 0.0;          ///< of the enclosure of the last point
+  double width_ = 0.0;          ///< width of the enclosure of the last point
   std::priority_queue<Node, std::vector<Node>, Farther> open_;
   std::vector<Node> asking_;
   std::size_t asked_ = 0;

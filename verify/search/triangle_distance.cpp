@@ -29,7 +29,7 @@ void offer_closest_points(const Superquadric& solid, const std::array<Proposal, 
 
 namespace {
 
-/// To binary64 without leaving the triangle.
+/// Rounds to binary64 without leaving the triangle.
 Weights rounded_weights(long double first, long double second) {
   Weights weights{static_cast<double>(std::clamp(first, 0.0L, 1.0L)),
                   static_cast<double>(std::clamp(second, 0.0L, 1.0L))};
@@ -88,14 +88,14 @@ class BoundarySearch {
 
  private:
   struct Gradient {
-    Vector vector;  ///< of f outside the solid, along that of the gauge inside
-    bool inside;    ///< or so close to the surface that Float cannot tell
+    Vector vector;  ///< gradient of f outside the solid, along the gradient of the gauge inside
+    bool inside;    ///< or so close to the surface that Float cannot decide
   };
 
   struct EdgePoint {
     Weights weights;
     Float squared_distance;
-    bool optimal;  ///< no other point of the triangle is closer, as far as Float can tell
+    bool optimal;  ///< no other point of the triangle is closer, to the accuracy of Float
   };
 
   [[nodiscard]] Gradient gradient(const Vector& q) const {
@@ -201,11 +201,11 @@ using namespace verify;
 
 constexpr double kShortest = 0x1p-900;  // of a vector whose components are normal numbers, unless they do not matter
 
-/// What is proven of one primitive, and by what.
+/// The proven distance of one primitive, and the vectors that prove it.
 struct ProvenDistance {
   Enclosure distance{0.0, infinity};
   Weights weights{};
-  Proposal upper_normal{};  ///< of the point that the weights give
+  Proposal upper_normal{};  ///< of the point with these weights
   Proposal lower_normal{};
 };
 
@@ -245,7 +245,7 @@ class TriangleProof {
   }
 
  private:
-  /// Whether what is left is of the order of rounding: else a better proposal is worth looking for.
+  /// Returns whether the remaining width is of the order of rounding: else a better proposal is worth a search.
   [[nodiscard]] bool closed() const {
     constexpr long double of_distance = 1e-14L;
     constexpr long double of_corners = 0x1p-60L;
@@ -263,17 +263,18 @@ class TriangleProof {
     proven_.upper_normal = v;
   }
 
-  /// From the closest point to q. Inside and on the surface, where the contact's normal is a direction only, very
-  /// short: then it leads back to q itself, scaled to the surface.
+  /// The vector from the closest point to q. Inside and on the surface, where the contact's normal is only a direction:
+  /// a very short vector, which leads back to q itself, scaled to the surface.
   [[nodiscard]] static Proposal normal_at(const Proposal& q, const Contact& found) {
     return found.point == q ? along(Proposal{}, found.normal, static_cast<long double>(kShortest)) : found.normal;
   }
 
-  /// Whatever was proposed, nothing is looser than the corners as points, the solid's box and the ball about it prove.
+  /// For any proposal: no bound is looser than the bounds by the corners as points, by the solid's box and by the ball
+  /// about it.
   void fall_back() {
     constexpr std::array<Weights, 3> at_corners{{{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}};
     for (const Weights& weights : at_corners) prove(weights, fast_contact);
-    // No half-space with this normal is tighter than the supporting one, the one that touches the ball neither.
+    // No half-space with this normal is tighter than the supporting one, not even the one that touches the ball.
     offer_lower(proposed::closest_to_origin(corners_));
     for (std::size_t i = 0; i < 3; ++i) {
       Proposal axis{};
@@ -306,7 +307,8 @@ class TriangleProof {
   }
 
   /// The loss of a lower end is of first order in v·(t_j - t_i) for the corners that tie at the closest point, and of
-  /// second order in every other error of v: on an edge v loses its part along the edge, on the face it is the normal.
+  /// second order in every other error of v. So on an edge v loses its part along the edge; on the face v becomes the
+  /// normal.
   [[nodiscard]] std::array<Proposal, 5> directions(const Weights& weights, const Proposal& v) const {
     const Proposal face = along(Proposal{}, normal_, dot(normal_, v) < 0.0L ? -1.0L : 1.0L);
     std::array<Proposal, 5> candidates{v, projected(v, edges_[0]), projected(v, edges_[1]), projected(v, edges_[2]),
@@ -325,12 +327,12 @@ class TriangleProof {
   PosedTriangle triangle_;
   Proposal normal_;
   std::array<Proposal, 3> corners_;
-  std::array<Proposal, 3> edges_;  ///< from corner i to corner i + 1
+  std::array<Proposal, 3> edges_;  ///< vectors from corner i to corner i + 1
   long double reach_ = 0.0L;
   ProvenDistance proven_;
 };
 
-/// As long as the distance, for a vector that only needs a direction: within the range of binary64.
+/// As long as the distance, for a vector of which only the direction matters: within the range of binary64.
 Proposal scaled(const Proposal& direction, double distance) {
   const long double length = std::hypot(direction[0], direction[1], direction[2]);
   return along(Proposal{}, direction, std::max(distance, kShortest) / length);

@@ -47,9 +47,9 @@ Weights rounded_into_triangle(const Weights& weights) {
   return {first, std::min(rounded_down(weights[1]), 1.0 - first)};
 }
 
-/// With w_0 = 1 - w_1 - w_2, at most two roundings of numbers up to 1, a coordinate is a sum of three products: in
+/// With w_0 = 1 - w_1 - w_2, at most two roundings of numbers up to 1, a coordinate is a sum of three products. In
 /// units of 2^-53 of the largest coordinate, w_0 costs 2, the products 1 together, the sums 1 each. Three coordinates
-/// are off by less than 9, where 32 are allowed; and by what products lose that underflow.
+/// are off by less than 9, where 32 are allowed; and by the underflow of products.
 DividedTriangle::DividedTriangle(const Triangle& triangle, double lost)
     : triangle_(triangle),
       error_(add(multiply(0x1p-48, largest_coordinate(triangle), Direction::up), 0x1p-1060 + lost, Direction::up)) {}
@@ -89,7 +89,7 @@ double length_of(const Point& v) {
   return std::sqrt(dot(v, v));
 }
 
-/// Nothing for what has no direction.
+/// Nothing for a vector without a direction.
 std::optional<Point> unit_of(const Point& v) {
   const double size = length_of(v);
   if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
@@ -113,7 +113,7 @@ InPlane less(const InPlane& a, const InPlane& b) {
   return {a[0] - b[0], a[1] - b[1]};
 }
 
-/// The quadratic model: what it says of places relative to the look.
+/// The quadratic model: the distance at places relative to the look.
 struct DistanceModel {
   InPlane slope;
   const Curvature& curvature;
@@ -138,7 +138,7 @@ InPlane at(const std::array<InPlane, 3>& corners, const Barycentric& b) {
   return s;
 }
 
-/// Where the model is least on the edge from one corner to the next, if that is between them.
+/// The least point of the model on the edge from one corner to the next, if it is between them.
 std::optional<Barycentric> least_on_edge(const DistanceModel& model, const std::array<InPlane, 3>& corners,
                                          std::size_t i) {
   const std::size_t j = (i + 1) % 3;
@@ -152,7 +152,7 @@ std::optional<Barycentric> least_on_edge(const DistanceModel& model, const std::
   return b;
 }
 
-/// Where the model's gradient vanishes, if that is in the piece.
+/// The point at which the model's gradient vanishes, if it is in the piece.
 std::optional<Barycentric> least_within(const DistanceModel& model, const std::array<InPlane, 3>& corners) {
   const InPlane u = less(corners[1], corners[0]);
   const InPlane v = less(corners[2], corners[0]);
@@ -212,7 +212,7 @@ void Curvature::learn(const TriangleFrame& frame, const Look& from, const Look& 
   const InPlane expected = times(step);
   const double seen = product(step, change);
   const double known = product(step, expected);
-  // Where the distance curves downwards, or hardly at all, the least point is elsewhere: a positive number does.
+  // If the distance curves downwards, or hardly at all, the least point is elsewhere: some positive number serves.
   constexpr double least_part = 1e-3;
   if (!(known > 0.0) || !std::isfinite(seen)) return;
   const double kept = std::max(seen, least_part * known);
@@ -254,7 +254,7 @@ double farthest_corner(const Triangle& corners, const Point& x) {
   return largest;
 }
 
-/// Whether all corners are, along the direction, as far beyond the look as the aim asks.
+/// Returns whether all corners are, along the direction, as far beyond the look as the aim requires.
 bool is_beyond(const Triangle& corners, const Look& look, const Point& direction, double aim) {
   return std::ranges::all_of(
       corners, [&](const Point& corner) { return look.distance + dot(difference(corner, look.at), direction) >= aim; });
@@ -279,7 +279,7 @@ ProvingDirections proving_directions(const TriangleFrame& frame, const Triangle&
   return found;
 }
 
-/// Beside the look's own direction the distance grows slower; half the squared sine of it is lost at most.
+/// Along a direction beside the look's own the distance grows slower; at most half the squared sine is lost.
 std::optional<ProvingBall> proving_ball(const Triangle& corners, const Look& look, const Point& direction, double aim,
                                         double reach) {
   const Point aside = difference(direction, look.direction);

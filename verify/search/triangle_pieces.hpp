@@ -10,18 +10,20 @@
 
 namespace verisq::verify {
 
-// Parts of one triangle, and what the signed distances of single points prove about theirs (docs/mathematics.md §6).
+// Parts of one triangle, and bounds of their distances from the signed distances of single points (docs/mathematics.md
+// §6).
 
-/// A part: the triangle of the three points that these weights give.
+/// A part of the triangle: the triangle of the three points with these weights.
 using Piece = std::array<Weights, 3>;
 
 inline constexpr Piece whole_triangle{{{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}};
 
-/// Both halves, which cover the piece: the edge from corner `edge` to the next one is halved, exactly. Nothing where
-/// binary64 has no place for the middle's weights.
+/// Both halves, which cover the piece: the edge from corner `edge` to the next one is halved, exactly. Nothing if
+/// binary64 cannot represent the middle's weights.
 [[nodiscard]] std::optional<std::array<Piece, 2>> halves(const Piece& piece, std::size_t edge);
 
-/// The weights of a triangle's point next to these: no more digits than what halves take. Precondition: finite.
+/// The weights of a point of the triangle next to these: they have no more digits than those of halves. Precondition:
+/// finite.
 [[nodiscard]] Weights rounded_into_triangle(const Weights& weights);
 
 /// Signed distances sd to any solid are continuous in the sense of Lipschitz: |sd(x) - sd(y)| <= |x - y|. The distance
@@ -31,7 +33,7 @@ class DividedTriangle {
   /// The corners may be off by `lost` each. Precondition: finite corners.
   explicit DividedTriangle(const Triangle& triangle, double lost = 0.0);
 
-  /// The triangle's point of these weights, but for rounding, which the bounds below know of. Precondition:
+  /// The triangle's point with these weights, but for rounding, which the bounds below include. Precondition:
   /// in_triangle(weights).
   [[nodiscard]] Point point(const Weights& weights) const;
   [[nodiscard]] Triangle corners(const Piece& piece) const;
@@ -40,18 +42,18 @@ class DividedTriangle {
   /// least of sd over the piece, from `lo`, a lower bound of sd(c). Precondition: a finite `centre` c.
   [[nodiscard]] double lower_by_ball(const Triangle& corners, const Point& centre, double lo) const;
 
-  /// Of the distance of the triangle, from `hi`, an upper bound of sd at `point(weights)`.
+  /// An upper bound of the distance of the triangle, from `hi`, an upper bound of sd at `point(weights)`.
   [[nodiscard]] double upper_by_point(double hi) const;
 
  private:
   Triangle triangle_;
-  double error_;  ///< no computed point is farther from the triangle's
+  double error_;  ///< no computed point is farther from the triangle's exact point
 };
 
-// Where on a part of a triangle the distance to a solid is least, and which ball shows it: in plain floating point,
-// from what distances of single points tell. Proves nothing.
+// The point of a part of a triangle with the least distance to a solid, and the ball that proves a bound. In plain
+// floating point, from the distances of single points. Proves nothing.
 
-/// What is known about the distance near a point of the triangle.
+/// The known distance near a point of the triangle.
 struct Look {
   Point at;
   double distance;
@@ -66,7 +68,7 @@ class TriangleFrame {
   /// Three points about `at`, a step along each axis.
   [[nodiscard]] Triangle probes(const Point& at, double step) const;
 
-  /// From distances at a point and at its probes; nothing where these tell no direction.
+  /// The direction from distances at a point and at its probes; nothing if these determine no direction.
   [[nodiscard]] std::optional<Point> direction(double at, const std::array<double, 3>& at_probes, double step) const;
 
   using InPlane = std::array<double, 2>;
@@ -85,7 +87,7 @@ class TriangleFrame {
 /// Goldfarb and Shanno); always positive definite.
 class Curvature {
  public:
-  /// That of the distance of a sphere of this radius, about its centre.
+  /// The curvature of the distance of a sphere of this radius, about its centre.
   explicit Curvature(double radius) : rows_{{{1.0 / radius, 0.0}, {0.0, 1.0 / radius}}} {}
 
   void learn(const TriangleFrame& frame, const Look& from, const Look& to);
@@ -98,7 +100,7 @@ class Curvature {
 };
 
 struct LeastPoint {
-  Weights weights;  ///< of the triangle
+  Weights weights;  ///< weights in the triangle
   double gain;      ///< by how much the distance there is below that of the look
 };
 
@@ -106,9 +108,9 @@ struct LeastPoint {
 [[nodiscard]] LeastPoint least_point(const TriangleFrame& frame, const Piece& piece, const Triangle& corners,
                                      const Look& about, const Curvature& curvature);
 
-/// Directions in which the piece may be proven to be as far as `aim`: those beyond a plane orthogonal to which, through
-/// the point of the solid that the look's direction comes from, all of it is. The look's own; and where the least point
-/// lies within an edge or the face, those that are orthogonal to it.
+/// Directions along which the piece may be proven to be as far as `aim`. Take the plane orthogonal to the direction
+/// through the point of the solid from which the look's direction comes: all of the piece lies beyond it. The
+/// directions are the look's own and, if the least point lies within an edge or the face, those orthogonal to it.
 struct ProvingDirections {
   std::array<Point, 5> directions;
   std::size_t count;
@@ -116,14 +118,14 @@ struct ProvingDirections {
 [[nodiscard]] ProvingDirections proving_directions(const TriangleFrame& frame, const Triangle& corners,
                                                    const Look& look, double aim);
 
-/// A ball that holds the piece, its centre beyond a look.
+/// A ball that contains the piece, its centre beyond a look.
 struct ProvingBall {
   Point centre;
-  double reach;  ///< of the centre from the look
+  double reach;  ///< distance of the centre from the look
 };
 
-/// The smallest one that proves that the piece is as far as `aim` if the distance grows along the direction as fast as
-/// the way. Nothing where no centre within `reach` would do.
+/// The smallest ball that proves that the piece is as far as `aim`, if the distance grows along the direction as fast
+/// as the way. Nothing if no centre within `reach` is suitable.
 [[nodiscard]] std::optional<ProvingBall> proving_ball(const Triangle& corners, const Look& look, const Point& direction,
                                                       double aim, double reach);
 

@@ -27,8 +27,8 @@ Proposal normal_vector(const CertifiedDistance& found) {
   return {scale * u[0], scale * u[1], scale * u[2]};
 }
 
-/// What proves the ends of one primitive's enclosure: one vector where it does for both, `resolution` being the
-/// rounding error of lengths at hand.
+/// The normals that prove the ends of one primitive's enclosure: a single vector if it proves both. `resolution` is the
+/// rounding error of the lengths involved.
 std::vector<Normal> normals_of(std::uint32_t primitive, const CertifiedDistance& found, double resolution) {
   const Proposal normal = normal_vector(found);
   const Proposal apart = difference(normal, found.witness);
@@ -37,11 +37,12 @@ std::vector<Normal> normals_of(std::uint32_t primitive, const CertifiedDistance&
   return {{primitive, rounded(found.witness)}, {primitive, rounded(normal)}};
 }
 
-/// How far from x along u a walk leaves every primitive for good. Beyond its supporting plane of normal u a primitive
-/// never meets the ray again, so each advance clears one primitive, and with it those whose planes lie before: one look
-/// at each, in the order of their planes, is enough. Infinite if the plane of a primitive is out of reach.
+/// The distance from x along u beyond which a walk has left every primitive. Beyond its supporting plane of normal u a
+/// primitive never meets the ray again. So each advance clears one primitive, and with it those whose planes lie
+/// before: one evaluation of each, in the order of their planes, is enough. Infinite if the plane of a primitive is out
+/// of reach.
 double escape_length(std::span<const ConvexPrimitive> primitives, const Point& x, const Proposal& u) {
-  std::vector<std::pair<double, const ConvexPrimitive*>> planes;  // how far they are
+  std::vector<std::pair<double, const ConvexPrimitive*>> planes;  // the distances of the planes
   for (const ConvexPrimitive& primitive : primitives) planes.emplace_back(primitive.ray_clearance(x, u), &primitive);
   if (!std::ranges::all_of(planes, [](const auto& plane) { return std::isfinite(plane.first); })) return infinity;
   std::ranges::sort(planes);
@@ -102,7 +103,7 @@ CertifiedEnclosure signed_distance(std::span<const ConvexPrimitive> primitives, 
                                normals.end());
     distance.lo = std::min(distance.lo, nearest.distance.lo);
     distance.hi = std::min(distance.hi, nearest.distance.hi);  // a ball inside one primitive lies inside the union
-    // Not only below zero: a point on two surfaces that share a face is inside the union.
+    // Also at zero: a point on two surfaces that share a face is inside the union.
     if (nearest.distance.lo <= touching) directions.push_back(primitives[index].model_direction(nearest.direction));
   }
   if (!directions.empty() && primitives.size() > 1) {
@@ -130,7 +131,7 @@ Enclosure rough_distance(const BentDistance& primitive, const Point& x) {
   return primitive(x).distance;
 }
 
-/// Where nothing is proven, anywhere: x may lie inside.
+/// If nothing is proven, the point may be anywhere: x may lie inside.
 ClosestSurfacePoint closest_surface_point(const BentDistance& primitive, const Point& x) {
   if (const std::optional<ClosestSurfacePoint> found = primitive.closest_point(x)) return *found;
   const PreciseInterval anything(Real(-infinity), Real(infinity));
@@ -197,7 +198,7 @@ ClosestPoint answer_of(const SurfaceCandidate& candidate) {
   return {rounded_outward(distance), rounded_outward(point), rounded_outward(normal), candidate.primitive, unique};
 }
 
-/// Those that rough bounds do not prove to be farther than another one.
+/// The primitives that rough bounds do not prove to be farther than another one.
 template <class Part>
 std::vector<std::uint32_t> nearly_nearest(std::span<const Part> parts, const Point& x) {
   std::vector<std::pair<double, std::uint32_t>> lower_bounds;
@@ -216,7 +217,7 @@ std::vector<std::uint32_t> nearly_nearest(std::span<const Part> parts, const Poi
   return nearest;
 }
 
-/// Those that no other is proven to be nearer than.
+/// The primitives for which no other is proven to be nearer.
 template <class Part>
 std::vector<SurfaceCandidate> candidates_at(std::span<const Part> parts, const Point& x) {
   const std::vector<std::uint32_t> nearest =
@@ -252,7 +253,8 @@ ClosestPoint nearest_of(std::span<const SurfaceCandidate> candidates) {
           rounded_outward(all.normal), std::nullopt, false};
 }
 
-/// Whether this primitive's closest point is proven to be that of the union, x lying in it or on its surface.
+/// Returns whether this primitive's closest point is proven to be that of the union, for x in the primitive or on its
+/// surface.
 template <class Part>
 bool decides(const SurfaceCandidate& candidate, std::span<const Part> parts) {
   if (!candidate.closest.unique) return false;
@@ -270,7 +272,7 @@ std::optional<ClosestPoint> closest_point_of(std::span<const Part> parts, const 
   if (outside) return nearest_of(candidates);
   for (const SurfaceCandidate& candidate : candidates) {
     const bool inside = candidate.closest.distance.upper() <= Real(0);
-    // On the surface but for rounding, x may lie outside: then the others must be farther away.
+    // If x is on the surface but for rounding, it may lie outside: then the others must be farther away.
     const bool alone = candidates.size() == 1;
     if ((inside || alone) && decides(candidate, parts)) return answer_of(candidate);
   }
@@ -320,7 +322,7 @@ CertifiedEnclosure of_parts(std::span<const UnionPart> parts, const Point& x,
   return result;
 }
 
-/// A bent part's ball about x, as large as can be proven; nothing where none can. Its radius is a little below the
+/// A bent part's ball about x, as large as can be proven; nothing if none can. Its radius is a little below the
 /// distance to an `escape`, by a margin that grows until the proof succeeds.
 std::optional<CertifiedEnclosure> deeper(std::span<const UnionPart> parts, const ExactChecker& checker, const Point& x,
                                          const Certificate& certificate, const Point& escape,

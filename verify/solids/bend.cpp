@@ -86,7 +86,7 @@ BasicInterval<T> BendMap<T>::radius(const Polar& polar) const {
   return numerator / (BasicInterval<T>(1) + polar.distance);
 }
 
-/// |z| = angle / |k|, by the angle itself: no difference near the cut. For k = 0 there is no cut and m = 1.
+/// |z| = angle / |k|, by the angle itself: no difference of angles near the cut. For k = 0 there is no cut and m = 1.
 template <class T>
 BasicInterval<T> BendMap<T>::height_magnitude(const Polar& polar) const {
   return polar_angle(polar.m, abs(polar.rise)) / abs(curvature_);
@@ -127,7 +127,7 @@ std::optional<typename BendMap<T>::Expansion> BendMap<T>::expansion(const Vector
   const BasicInterval<T> one(1);
   const Vector3<T> v = turned(bent);
   const Polar p = polar(v);
-  // How far (m, k Z) moves, and how near it may come to the centre of curvature.
+  // The largest distance that (m, k Z) moves, and its least possible distance from the centre of curvature.
   const BasicInterval<T> step = abs(curvature_) * BasicInterval<T>(radius_bound);
   const BasicInterval<T> nearest = p.distance - step;
   const bool meets_cut = (p.m - step).lower() <= T(0) && (abs(p.rise) - step).lower() <= T(0);
@@ -156,7 +156,7 @@ PreciseInterval curvature_magnitude(const Bend& bend) {
   return abs(PreciseInterval(Real(bend.curvature)));
 }
 
-/// By which the end of the bent axis is turned.
+/// The angle by which the end of the bent axis is turned.
 PreciseInterval angle(const Bend& bend, const Superquadric& superquadric) {
   return curvature_magnitude(bend) * PreciseInterval(Real(superquadric.semi_axes[2]));
 }

@@ -22,14 +22,15 @@ class BendMap {
   /// Inclusion function of the bend: x, y, z of the primitive's own frame before -> after.
   [[nodiscard]] Vector3<T> bent(const Vector3<T>& unbent) const;
 
-  /// Of its transposed derivative: (∂bent / ∂x)ᵀ v at x, so that of a function of the bent point with gradient v it is
-  /// the gradient in x.
+  /// Inclusion function of the transposed derivative: (∂bent / ∂x)ᵀ v at x. If v is the gradient of a function of the
+  /// bent point, the result is the function's gradient in x.
   [[nodiscard]] Vector3<T> pulled_back(const Vector3<T>& v, const Vector3<T>& unbent) const;
 
-  /// Inclusion function of its inverse. At the cut both values of z are included.
+  /// Inclusion function of the inverse of the bend. At the cut both values of z are included.
   [[nodiscard]] Vector3<T> unbent(const Vector3<T>& bent) const;
 
-  /// The same but for the sign of z: tight at the cut, where z changes its sign. For functions even in z.
+  /// The same but for the sign of z: tight at the cut, where z changes its sign. It serves functions that are even in
+  /// z.
   [[nodiscard]] Vector3<T> unbent_up_to_sign(const Vector3<T>& bent) const;
 
   /// The inverse about a bent point x: for every d whose part in the plane of the bend is at most `radius` long,
@@ -40,7 +41,7 @@ class BendMap {
     T radial, axial;
   };
 
-  /// Nothing where these points may meet the cut. Precondition: radius >= 0.
+  /// Nothing if these points may meet the cut. Precondition: radius >= 0.
   [[nodiscard]] std::optional<Expansion> expansion(const Vector3<T>& bent, const T& radius) const;
 
   /// The unit vector along which R is measured.
@@ -65,7 +66,7 @@ class BendMap {
 extern template class BendMap<double>;
 extern template class BendMap<Real>;
 
-// What a bend asks of the primitive that it bends, and how far it takes its points.
+// The requirements of a bend on its primitive, and the distances by which it moves the primitive's points.
 
 /// Rotation about z that takes the bend's frame (r, s, z) to the primitive's: columns (cos a, sin a, 0), (-sin a, cos
 /// a, 0), (0, 0, 1).
@@ -74,11 +75,11 @@ extern template class BendMap<Real>;
 /// The largest |r| of the solid: its support function towards the direction of the bend.
 [[nodiscard]] PreciseInterval extent(const Bend& bend, const Superquadric& superquadric);
 
-/// Whether the points of the bent solid that lie deeper in it than `depth` are proven to be connected
-/// (docs/mathematics.md §22). Preconditions: depth >= 0, that of Bend.
+/// Returns whether the points of the bent solid that lie deeper in it than `depth` are proven to be connected
+/// (docs/mathematics.md §22). Preconditions: depth >= 0, and the precondition of Bend.
 [[nodiscard]] bool is_connected_below(double depth, const Bend& bend, const Superquadric& superquadric);
 
-/// Contains the bent solid, in the bend's frame (R, S, Z). Precondition: that of Bend.
+/// A box, in the bend's frame (R, S, Z), that contains the bent solid. Precondition: the precondition of Bend.
 [[nodiscard]] PreciseVector bent_box(const Bend& bend, const Superquadric& superquadric);
 
 }  // namespace verisq::verify

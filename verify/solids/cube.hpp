@@ -1,4 +1,4 @@
-/// Cubes of the model frame, and what is said about a set within one of them (docs/mathematics.md §10).
+/// Cubes of the model frame, and statements about a set within one of them (docs/mathematics.md §10).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct Cube {
   double half_width;
 };
 
-/// What is proven about a closed set in a cube. Both proofs are strict: a set and the closure of its complement, which
+/// The proven colour of a closed set in a cube. Both proofs are strict: a set and the closure of its complement, which
 /// share their boundary, then have opposite colours.
 enum class Colour : std::uint8_t {
   white,  ///< no point of the cube lies in the set
@@ -21,7 +21,7 @@ enum class Colour : std::uint8_t {
   black,  ///< the cube lies in the interior of the set
 };
 
-/// A primitive K, or what it leaves: the closure of its complement.
+/// A primitive K, or the closure of its complement.
 enum class Side : std::uint8_t { inside, outside };
 
 /// {x : normal . (x - centre of the cube) <= offset}, the numbers taken as exact. An infinite offset says nothing.

@@ -1,4 +1,4 @@
-/// Which models are valid.
+/// The conditions of a valid model.
 #pragma once
 
 #include <optional>
@@ -11,23 +11,24 @@ namespace verisq::verify {
 
 // Refuses the models that only branch and bound can answer for.
 
-/// For what rests on certificates of convex primitives: throws as require_valid, and Error(input), "WHAT: not supported
-/// for ...", unless is_union_of_convex(model). Without this a bend would be read as none, and a difference as a union.
+/// For functions that rest on certificates of convex primitives: throws like require_valid, and Error(input), "WHAT:
+/// not supported for ...", unless is_union_of_convex(model). Without this a bend would be read as none, and a
+/// difference as a union.
 void require_union_of_convex(const Model& model, std::string_view what);
 
-/// Whether the model is the union of all its primitives, bent or not.
+/// Returns whether the model is the union of all its primitives, bent or not.
 [[nodiscard]] bool is_union(const Model& model);
 
-/// For certificates of points: throws likewise unless is_union(model).
+/// For certificates of points: throws the same errors unless is_union(model).
 void require_union(const Model& model, std::string_view what);
 
-/// Throws Error(input), "WHAT: not supported for tapered solids ...", where a primitive has a taper.
+/// Throws Error(input), "WHAT: not supported for tapered solids ...", if a primitive has a taper.
 void require_no_taper(const Model& model, std::string_view what);
 
-// The faults of impossible models: said once, for the readers of files and for every entry of the library.
+// The faults of impossible models, defined once for the readers of files and for every entry of the library.
 
 struct Fault {
-  std::string place;  ///< as in a file: "primitives[2].superquadric.exponents[0]"
+  std::string place;  ///< the place as in a file: "primitives[2].superquadric.exponents[0]"
   std::string value;
   std::string what;  ///< "must be in (0, 2]"
 };
@@ -38,10 +39,11 @@ struct Fault {
 /// Throws Error(input), "PLACE = VALUE: WHAT".
 void require_valid(const UncertainModel& model);
 
-/// Likewise of a point that has a number which is not finite.
+/// Throws the same error for a point with a number that is not finite.
 void require_finite(const Point& point, const std::string& name);
 
-/// Likewise of a motion, which `name` tells apart: a number that is not finite, a quaternion of zeros.
+/// Throws the same error for a motion with a number that is not finite or a quaternion of zeros. `name` names the
+/// motion in the message.
 void require_valid(const Pose& pose, const std::string& name);
 
 }  // namespace verisq::verify

@@ -1,5 +1,5 @@
-/// Along a straight leg the gauge at a point is a convex function of time: an end where it falls and one where it rises
-/// are brought together.
+/// Along a straight leg the gauge at a point is a convex function of time. The search brings a time where the gauge
+/// falls and a time where it rises together.
 #include "verify/solids/moving_gauge.hpp"
 
 #include <Eigen/Geometry>
@@ -46,12 +46,12 @@ MovingGauge::MovingGauge(const NormFunction<double>& gauge, const EnclosedPose& 
       velocity_(nearest(motion.velocity)),
       spin_(nearest(motion.spin)) {}
 
-/// How fast a point that is fixed in the implant's frame moves where x is.
+/// The velocity, at x, of a point that is fixed in the implant's frame.
 Vector3d MovingGauge::speed(double time, const Vector3d& x) const {
   return spin_.cross(x - path_translation_ - time * velocity_) + velocity_;
 }
 
-/// Of the primitive's own frame: x there, and the rotation from there.
+/// x in the primitive's own frame, and the rotation from that frame.
 std::pair<Vector3d, Matrix3d> MovingGauge::local(double time, const Vector3d& x) const {
   const Matrix3d path = turn(time * spin_) * path_rotation_;
   const Vector3d in_model = path.transpose() * (x - path_translation_ - time * velocity_);

@@ -1,5 +1,5 @@
-/// The gauge of a primitive on a leg of its way, in floating point: when it is least at a point, and where it rises
-/// then. Proposes, proves nothing.
+/// The gauge of a primitive on a leg of its way, in floating point: the time at which it is least at a point, and the
+/// times when it rises. Proposes, proves nothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,11 +27,11 @@ class MovingGauge {
 
   [[nodiscard]] Slope slope(double time, const Eigen::Vector3d& x) const;
 
-  /// A normal of a plane that touches what is swept near x, of length 1: that gradient, and where the gauge is least
-  /// `between` the ends of a stretch of time, across the motion.
+  /// A normal, of length 1, of a plane that touches the swept region near x: the gradient of the gauge; where the gauge
+  /// is least `between` the ends of a stretch of time, its part across the motion.
   [[nodiscard]] Eigen::Vector3d normal(double time, bool between, const Slope& slope, const Eigen::Vector3d& x) const;
 
-  /// Of a direction of the bone's frame that in the primitive's own one.
+  /// Takes a direction from the bone's frame to the primitive's own frame.
   [[nodiscard]] Eigen::Vector3d own_direction(double time, const Eigen::Vector3d& direction) const;
 
  private:

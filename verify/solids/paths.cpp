@@ -22,8 +22,8 @@ namespace verisq::verify {
 ShortMotion::ShortMotion(const RigidMotion& pose, const SteadyMotion& motion, double reach)
     : pose_(pose), motion_(motion), time_(Real(reach)), rate_(length<Real>(motion.spin)), rests_(reach == 0.0) {}
 
-// A point at x, from the origin, has the acceleration w x (w x x), at most |w| |w x x|; the turn keeps |w x x|. Off a
-// centre by r at most, it has at most |w| (|w x centre| + |w| r).
+// A point at x, from the origin, has the acceleration w x (w x x), at most |w| |w x x|; the turn keeps |w x x|. A point
+// no farther than r from a centre has at most |w| (|w x centre| + |w| r).
 PreciseInterval ShortMotion::bend_of_ways(const EnclosingSphere& sphere) const {
   const PreciseVector from_origin = sphere.centre - pose_.translation;
   const PreciseInterval across = length<Real>(PreciseVector(cross(motion_.spin, from_origin)));
@@ -34,13 +34,14 @@ PreciseInterval ShortMotion::way_at_first_speed(const EnclosingSphere& sphere) c
   return length<Real>(first_way_of(sphere.centre)) + time_ * rate_ * sphere.radius;
 }
 
-// At all times its points are faster than its centre by |w| r at most, so that the centre's acceleration alone counts.
+// At all times the points of the sphere are faster than its centre by at most |w| r: only the centre's acceleration
+// counts.
 PreciseInterval ShortMotion::way_of(const EnclosingSphere& sphere) const {
   if (rests_) return PreciseInterval(0);
   return way_at_first_speed(sphere) + bend_of_ways({sphere.centre, PreciseInterval(0)});
 }
 
-// The speed of what rests at x is |w x (x - t) + v|, too, which changes by w x v, as t does by v.
+// A point that rests at x has the speed |w x (x - t) + v|, too. Its velocity changes by w x v, because t changes by v.
 PreciseInterval ShortMotion::way_seen_of(const EnclosingSphere& sphere) const {
   if (rests_) return PreciseInterval(0);
   const PreciseInterval change = length<Real>(cross(motion_.spin, motion_.velocity));
@@ -205,7 +206,7 @@ Quaternion between(Quaternion from, Quaternion to, double fraction) {
   return fraction == 0.0 ? from : to;
 }
 
-/// Of a unit quaternion.
+/// The rotation matrix of a unit quaternion.
 PreciseMatrix rotation_of(const Quaternion& q) {
   const PreciseInterval one(1);
   const PreciseInterval two(2);
@@ -224,7 +225,8 @@ PreciseMatrix rotation_of(const Quaternion& q) {
           {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}};
 }
 
-/// Halvings widen the enclosures, with all the digits that a time has to some 2^-90. What is wider is not to nearest.
+/// Halvings widen the enclosures, with all the digits that a time has to some 2^-90. A wider enclosure does not
+/// determine the number to nearest.
 bool is_narrow(const PreciseMatrix& rotation) {
   const Real widest(0x1p-60);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -264,7 +266,7 @@ PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
   const PreciseVector vector = b * from[0] - a * to[0] + cross(a, b);  // from q_to conj(q_from): b a^-1
   const PreciseInterval sine = length<Real>(vector);
   const PreciseInterval two(2);
-  // Half the angle is atan(sine / scalar); below a quarter of a turn without division by what may be 0.
+  // Half the angle is atan(sine / scalar). Below a quarter of a turn no division by a number that may be 0 occurs.
   if (scalar.lower() > Real(0.5)) {
     return vector * (two * arctangent_quotient(PreciseInterval(sine / scalar)) / scalar);
   }
@@ -331,12 +333,12 @@ RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
           .reach = is_narrow(rotation) ? of_ends : infinity};
 }
 
-// With u = 2^-53, S = |c|_1 + |t|_1 and what was rounded marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more:
-// the enclosures are 2^-120 wide), each |R~_ij - R_ij| <= u because |R_ij| <= 1 and its enclosure is at most 2^-60
-// wide, or nothing is known, and |c_i - t~_i| is rounded by u of itself. A product and its two additions round by at
-// most 3.01 u |R~_ij| |d~_i|. In all each coordinate errs by at most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S,
-// the vector by less than 16 u S = 2^-49 S; doubled to cover the rounding of S itself, and what underflows is less than
-// the smallest normal number. Where the ends of a leg cancel in t, what their 127 bits lose, less than 2^-110 of them,
+// With u = 2^-53, S = |c|_1 + |t|_1 and rounded numbers marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more: the
+// enclosures are 2^-120 wide). Each |R~_ij - R_ij| <= u because |R_ij| <= 1 and its enclosure is at most 2^-60 wide;
+// else nothing is known. |c_i - t~_i| is rounded by u of itself. A product and its two additions round by at most 3.01
+// u |R~_ij| |d~_i|. In all each coordinate errs by at most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S, the vector
+// by less than 16 u S = 2^-49 S. This is doubled to cover the rounding of S itself; underflow costs less than the
+// smallest normal number. If the ends of a leg cancel in t, the rounding of their 127 bits, less than 2^-110 of them,
 // is no longer small beside |t|: it is added.
 PointBall RigidPath::local_point(const NearestPose& pose, const Point& c) {
   const auto& [rotation, t, reach] = pose;
@@ -348,10 +350,10 @@ PointBall RigidPath::local_point(const NearestPose& pose, const Point& c) {
   return ball;
 }
 
-// As above: with reach r = |c|_1 + |t_begin|_1 + |t_end|_1, c - t(s) errs by at most 5 u r in all coordinates together,
-// a coordinate of its product with the spin by 8.1 u |w|_1 r, that of the sum with the velocity by 3 u |v|_1 more: the
-// vector errs by less than 16 u (|w|_1 r + |v|_1), and by spin_error r. What the code adds is twice that and more; the
-// factor 1 + 2^-49 covers the rounding of the length (length.hpp).
+// As above: with reach r = |c|_1 + |t_begin|_1 + |t_end|_1, c - t(s) errs by at most 5 u r in all coordinates together.
+// A coordinate of its product with the spin errs by 8.1 u |w|_1 r, a coordinate of the sum with the velocity by 3 u
+// |v|_1 more. The vector errs by less than 16 u (|w|_1 r + |v|_1), and by spin_error r. The code adds twice that and
+// more; the factor 1 + 2^-49 covers the rounding of the length (length.hpp).
 double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   const auto& [start, v, w, spin_error, way_reach] = leg;
   Point d;
@@ -365,7 +367,7 @@ double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   return speed < infinity ? speed : infinity;  // also for NaN
 }
 
-// Sums from above and from below lose a rounding each a leg; their difference bounds what lies between two legs.
+// Sums from above and from below lose a rounding in each leg; their difference bounds the travel between two legs.
 RigidPath::Travelled RigidPath::travelled_further(const Travelled& before, const Leg& leg) const {
   const double way = std::max(speed_up(leg, about_, 0.0), speed_up(leg, about_, 1.0));
   const auto& w = leg.spin;
@@ -376,9 +378,9 @@ RigidPath::Travelled RigidPath::travelled_further(const Travelled& before, const
   return {sum(before.way, way), sum(before.angle, angle)};
 }
 
-// The speed of c differs from that of `about` by |w x (c - about)| at most, so that on whole legs c travels as far as
-// that point's bound, and the angle times |c - about| farther. Of points near the path's own a bound leg by leg is
-// tighter.
+// The speed of c differs from the speed of `about` by at most |w x (c - about)|. So on whole legs c travels no farther
+// than the bound of `about` plus the angle times |c - about|. For points near the path's own point a bound leg by leg
+// is tighter.
 double RigidPath::length_of_legs_up(const Point& c, double begin, double end) const {
   const Travelled& from = travelled_[static_cast<std::size_t>(begin)];
   const Travelled& to = travelled_[static_cast<std::size_t>(end)];
@@ -417,7 +419,7 @@ double RigidPath::length_leg_by_leg_up(const Point& c, double begin, double end)
 
 namespace {
 
-/// Of all legs together: enough to follow a turn, few enough to keep.
+/// The number of poses for all legs together: enough to follow a turn, few enough to keep.
 constexpr double most_poses = 0x1p14;
 constexpr double finest_step = 0x1p-10;
 constexpr double coarsest_step = 0x1p-2;
@@ -433,8 +435,8 @@ Interval about(double x, double radius) {
   return Interval(x) + Interval(-radius, radius);
 }
 
-/// An entry of a rotation is at most 1, so that to nearest it is off by 2^-53; a coordinate of the translation by 2^-53
-/// of itself and 2^-100 of what was added up to it.
+/// An entry of a rotation is at most 1, so rounding to nearest is off by at most 2^-53. A coordinate of the translation
+/// is off by 2^-53 of itself and 2^-100 of the sum `reach` of its terms.
 EnclosedPose enclosed(const RigidPath::NearestPose& pose) {
   constexpr double error = 0x1p-52;
   EnclosedPose result;

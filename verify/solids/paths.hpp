@@ -22,39 +22,39 @@ struct SteadyMotion {
   PreciseVector spin;  ///< constant, as the velocity is
 };
 
-/// It contains a solid, or a part of one.
+/// A sphere that contains a solid, or a part of one.
 struct EnclosingSphere {
   PreciseVector centre;
   PreciseInterval radius;
 };
 
-/// At all times at most `reach` before or after the moment, as long as the motion lasts (docs/mathematics.md §26). All
-/// vectors in the frame in which it moves.
+/// A motion at all times at most `reach` before or after the moment, as long as the motion lasts (docs/mathematics.md
+/// §26). All vectors are in the frame in which the solid moves.
 class ShortMotion {
  public:
-  /// At `pose` at the moment. Precondition: reach >= 0.
+  /// The solid is at `pose` at the moment. Precondition: reach >= 0.
   ShortMotion(const RigidMotion& pose, const SteadyMotion& motion, double reach);
 
-  /// At rest.
+  /// A solid at rest.
   explicit ShortMotion(const RigidMotion& pose) : ShortMotion(pose, {}, 0.0) {}
 
   [[nodiscard]] const RigidMotion& pose() const { return pose_; }
 
-  /// Of the point that is there at the moment, at the speed of the moment, until the last of the times.
+  /// The way of the point that is at `at` at the moment, at the speed of the moment, until the last of the times.
   [[nodiscard]] PreciseVector first_way_of(const PreciseVector& at) const {
     return (cross(motion_.spin, PreciseVector(at - pose_.translation)) + motion_.velocity) * time_;
   }
 
-  /// No smaller than the way between where a point of the solid is at the moment, which is given, and at any of the
-  /// times.
+  /// For a point of the solid that is at `at` at the moment: no smaller than its way from there to its place at any of
+  /// the times.
   [[nodiscard]] PreciseInterval way_of(const PreciseVector& at) const {
     return way_of(EnclosingSphere{at, PreciseInterval(0)});
   }
 
-  /// The same of every point of the solid in the sphere.
+  /// The same for every point of the solid in the sphere.
   [[nodiscard]] PreciseInterval way_of(const EnclosingSphere& sphere) const;
 
-  /// The same of what rests in the sphere, as the moving solid sees it.
+  /// The same for every resting point in the sphere, as the moving solid sees it.
   [[nodiscard]] PreciseInterval way_seen_of(const EnclosingSphere& sphere) const;
 
   /// The lower end is no more than n·x of any point x of a part of the solid, at any of the times. At the moment the
@@ -78,15 +78,16 @@ class ShortMotion {
   }
 
  private:
-  /// At the speed of the moment, which differs by the rate of the turn times the way from the sphere's centre.
+  /// The way at the speed of the moment. A point's speed differs from the centre's by the rate of the turn times the
+  /// way from the sphere's centre.
   [[nodiscard]] PreciseInterval way_at_first_speed(const EnclosingSphere& sphere) const;
-  /// No smaller than how far any point in the sphere comes off the straight way that it sets out on.
+  /// No smaller than the deviation of any point in the sphere from the straight way on which it sets out.
   [[nodiscard]] PreciseInterval bend_of_ways(const EnclosingSphere& sphere) const;
 
   RigidMotion pose_;
   SteadyMotion motion_;
   PreciseInterval time_;  ///< the reach
-  PreciseInterval rate_;  ///< of the turn
+  PreciseInterval rate_;  ///< the rate of the turn
   bool rests_;
 };
 
@@ -102,12 +103,12 @@ struct PointBall {
 /// the smaller angle. Time k is pose k; times between are exact binary64 numbers.
 class RigidPath {
  public:
-  /// A pose to nearest: what is lost is in the radius of `local_point`.
+  /// A pose rounded to nearest; the radius of `local_point` covers the rounding.
   struct NearestPose {
     std::array<Point, 3> rotation;  ///< rows of R
     Point translation;
-    double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was; infinite
-                         ///< where the rotation is not known to nearest
+    double reach = 0.0;  ///< sum of the magnitudes of the terms of the translation, where it is a sum; infinite if the
+                         ///< rotation is not known to nearest
   };
 
   /// Lengths of many legs are as tight as the points are near to `about`. Precondition: at least one pose; each finite,
@@ -136,7 +137,7 @@ class RigidPath {
   [[nodiscard]] double length_up(const Point& c, double begin, double end) const;
 
  private:
-  /// From one pose to the next, in one unit of time; to nearest, what is lost is in the errors.
+  /// The motion from one pose to the next, in one unit of time, rounded to nearest; the errors bound the rounding.
   struct Leg {
     Point start;        ///< t at its begin, exact
     Point velocity;     ///< t'
@@ -145,7 +146,8 @@ class RigidPath {
     double reach;       ///< |t|_1 at the begin, plus that at the end
   };
 
-  /// Of all legs before one: how far `about` travels, and by how much all turn, each from below and from above.
+  /// The travel along all legs before one: how far `about` travels, and by how much all turn, each from below and from
+  /// above.
   struct Travelled {
     Enclosure way, angle;
   };
@@ -162,7 +164,8 @@ class RigidPath {
   std::vector<Travelled> travelled_;  ///< before each leg, and after the last
 };
 
-// A path of poses in intervals: its legs' motions and its poses at times, for the proofs of what moves along it.
+// A path of poses in intervals: the motions of its legs and its poses at times, for proofs about a body that moves
+// along it.
 
 /// x -> R x + t
 struct EnclosedPose {
@@ -170,7 +173,7 @@ struct EnclosedPose {
   Vector3<double> translation;
 };
 
-/// Of one leg, in one unit of time: t' and the rotation vector.
+/// The motion of one leg, in one unit of time: t' and the rotation vector.
 struct EnclosedMotion {
   Vector3<double> velocity;
   Vector3<double> spin;
@@ -189,7 +192,7 @@ class EnclosedPath {
   /// Times within a leg that turns are whole multiples of this.
   [[nodiscard]] double step() const { return step_; }
 
-  /// At the share `time` in [0, 1] of a leg.
+  /// The pose at the share `time` in [0, 1] of a leg.
   [[nodiscard]] EnclosedPose pose(std::size_t leg, double time) const;
 
  private:
@@ -197,7 +200,8 @@ class EnclosedPath {
   std::vector<EnclosedMotion> motions_;
   double step_;
   mutable std::mutex mutex_;
-  mutable std::map<double, EnclosedPose> poses_;  ///< those asked for, but along legs that do not turn
+  mutable std::map<double, EnclosedPose> poses_;  ///< the poses computed so far, but not those along legs that do not
+                                                  ///< turn
 };
 
 // A path of poses in time.
@@ -214,11 +218,11 @@ class PosedPath {
 
   [[nodiscard]] Pose rounded_pose(double time) const { return path_.rounded_pose(time); }
 
-  /// From one time to another, of times within two poses, about the middle of both, (begin + until) / 2 to nearest.
-  /// Precondition: 0 <= begin <= until <= last_time(); no pose between them.
+  /// The motion from one time to another about the middle of both, (begin + until) / 2 to nearest. Precondition: 0 <=
+  /// begin <= until <= last_time(); no pose lies between them.
   [[nodiscard]] ShortMotion motion_between(double begin, double until) const;
 
-  /// Precondition: the index of a pose with one after it; or 0, of a single pose.
+  /// Precondition: the index of a pose with one after it; or 0, for a path of a single pose.
   [[nodiscard]] SteadyMotion motion_of(std::size_t leg) const;
 
  private:

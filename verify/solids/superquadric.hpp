@@ -1,4 +1,4 @@
-/// A superquadric: gauge, support function, what normals and witnesses say about it.
+/// A superquadric: its gauge, its support function, and the bounds that normals and witnesses prove.
 #pragma once
 
 #include <algorithm>
@@ -16,19 +16,19 @@
 
 namespace verisq::verify {
 
-// What proofs are tried with, found in plain floating point by verify/proposals, which need not be trusted: whatever
-// it returns, NaN too, nothing wrong is proven with it.
+// Floating-point proposals from verify/proposals. Proofs need not trust them: a bad proposal, NaN too, loosens a bound;
+// it cannot make it wrong.
 
 /// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
 using Proposal = std::array<long double, 3>;
 
-/// Asked now and then, unless empty: true ends a proof with what is proven by then.
+/// A hook, unless it is empty, is called now and then; if it returns true, a proof ends with the bound proven by then.
 using Hook = std::function<bool()>;
 
 namespace proposed {
 
-/// About the s >= 0 where the ray q + s w leaves {g <= level}; q and w in the octant of nonnegative coordinates, of a
-/// tapered solid also below it.
+/// About the s >= 0 at which the ray q + s w leaves {g <= level}. q and w lie in the octant of nonnegative coordinates;
+/// for a tapered solid z may be negative, too.
 [[nodiscard]] long double exit(const Superquadric& solid, const Proposal& q, const Proposal& w, long double level);
 
 /// About the gradient of g at x.
@@ -37,7 +37,7 @@ namespace proposed {
 /// About the point of the triangle, which may be degenerate, that is closest to the origin.
 [[nodiscard]] Proposal closest_to_origin(const std::array<Proposal, 3>& corners);
 
-/// About the root τ of ‖(r, Z + k τ)‖_q = τ, r >= 0, q the exponent of the outer dual norm, which may be infinite.
+/// About the root τ of ‖(r, Z + k τ)‖_q = τ, with r >= 0. q, the exponent of the outer dual norm, may be infinite.
 [[nodiscard]] long double support_root(long double section, long double height, long double k, long double q);
 
 /// {e : normal·e <= offset}
@@ -51,10 +51,10 @@ struct HalfSpace {
 [[nodiscard]] std::optional<std::vector<double>> multipliers(std::span<const std::array<double, 3>> corners,
                                                              std::span<const HalfSpace> half_spaces, double value);
 
-/// Of a convex body: about its farthest point in a direction of any length.
+/// For a convex body: returns about its farthest point in a direction of any length.
 using FarthestPoint = std::function<std::array<double, 3>(const std::array<double, 3>&)>;
 
-/// The same with the least over a convex body, of which `inside` is a point.
+/// The same with the least value over a convex body; `inside` is a point of the body.
 [[nodiscard]] std::optional<std::vector<double>> multipliers(const FarthestPoint& body,
                                                              const std::array<double, 3>& inside,
                                                              std::span<const HalfSpace> half_spaces, double value);
@@ -88,7 +88,7 @@ template <class Float>
   return (Float(taper) - 1) / (Float(taper) + 1);
 }
 
-/// What a taper t makes of the solid, k = (t - 1)/(t + 1).
+/// The numbers of a solid with the taper t; k = (t - 1)/(t + 1).
 template <class T>
 struct TaperNumbers {
   explicit TaperNumbers(double taper)
@@ -99,8 +99,8 @@ struct TaperNumbers {
   BasicInterval<T> fall;  ///< 1 - k²
 };
 
-/// From the centre of the solid to its focus (0, 0, -k a3), which is the origin of its own frame: the centre itself
-/// where it has no taper.
+/// The vector from the centre of the solid to its focus (0, 0, -k a3), which is the origin of its own frame. Without a
+/// taper the focus is the centre.
 [[nodiscard]] PreciseVector focus(const Superquadric& superquadric);
 
 /// Evaluates g and h one side at a time, in the solid's own frame. With N and its dual norm M, both of the form
@@ -119,7 +119,7 @@ class SuperquadricBounds {
   [[nodiscard]] BasicInterval<T> gauge(const Vector3<T>& x) const { return {gauge_down(x), gauge_up(x)}; }
   [[nodiscard]] BasicInterval<T> support(const Vector3<T>& v) const { return {support_down(v), support_up(v)}; }
 
-  /// One end of them; that of the gauge from above is the tightest for boxes of any size.
+  /// One end of these intervals. `gauge_up` is the tightest bound for boxes of any size.
   [[nodiscard]] T gauge_down(const Vector3<T>& x) const;
   [[nodiscard]] T gauge_up(const Vector3<T>& x) const;
   [[nodiscard]] T support_down(const Vector3<T>& v) const { return support(v, Direction::down); }
@@ -129,7 +129,8 @@ class SuperquadricBounds {
   /// `coordinates` (nonnegative).
   [[nodiscard]] T norm(const std::array<T, 3>& coordinates, Direction direction) const;
 
-  /// The two norms of which N is made, for points that share coordinates: of (x/a1, y/a2), and of that with z/a3.
+  /// The two norms that N consists of, for points that share coordinates: the norm of (x/a1, y/a2), and the norm of
+  /// that number and z/a3.
   [[nodiscard]] T section(const T& x, const T& y, Direction direction) const;
   [[nodiscard]] T norm(const T& section, const T& z, Direction direction) const;
 
@@ -152,7 +153,7 @@ class SuperquadricBounds {
 extern template class SuperquadricBounds<double>;
 extern template class SuperquadricBounds<Real>;
 
-// Mixed norms, one side at a time: what SuperquadricBounds are made of, for the two types of their numbers.
+// Mixed norms, one side at a time: the parts of SuperquadricBounds, for the two types of their numbers.
 
 /// p = 2/e
 template <class T>
@@ -190,7 +191,8 @@ NormExponent<T> dual_exponent(double e) {
   return x.to_long_double();
 }
 
-/// Whether ratio^p is proven to be too small to change 1 but for one rounding, for 0 <= ratio <= 1 and p >= 1.
+/// Returns whether ratio^p is proven to be too small to change 1 but for one rounding. Precondition: 0 <= ratio <= 1, p
+/// >= 1.
 template <class T>
 bool is_negligible(const T& ratio, const NormExponent<T>& p) {
   // Four bits and more beyond the precision: the rounding of this product and of p does not matter.
@@ -297,7 +299,7 @@ T SuperquadricBounds<T>::support(const Vector3<T>& v, Direction direction) const
 // is, the root is at most τ + max(0, f) / (1 - |k|) and at least τ - max(0, -f) / (1 - |k|).
 template <class T>
 T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const {
-  // What the root is off is lost once.
+  // The error of the root costs its own size once.
   const long double exponent = dual_outer_.infinite ? infinity : nearest(dual_outer_.value.upper());
   const long double height = (nearest(z.lower()) + nearest(z.upper())) / 2;
   const auto root =
@@ -314,8 +316,8 @@ T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T
 
 // Solids of revolution: their distance depends on two coordinates only.
 
-/// A superquadric and a point in the octant of nonnegative coordinates, with an axis of revolution, if any, as z, which
-/// is also the axis of a taper; of a tapered solid z keeps its sign.
+/// A superquadric and a point in the octant of nonnegative coordinates. An axis of revolution, if there is one, becomes
+/// z; it is also the axis of a taper. For a tapered solid z keeps its sign.
 struct RevolvedPoint {
   Superquadric solid;
   PreciseVector q;
@@ -368,7 +370,7 @@ struct RevolvedPoint {
 /// A floating-point point near the middle of a thin box.
 [[nodiscard]] Proposal midpoint(const PreciseVector& v);
 
-/// Whether every coordinate is finite and one of them is not zero.
+/// Returns whether every coordinate is finite and one of them is not zero.
 [[nodiscard]] bool usable(const Proposal& v);
 
 }  // namespace verisq::verify
