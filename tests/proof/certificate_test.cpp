@@ -266,7 +266,7 @@ TEST(InteriorTest, DepthIsBelowEverySampledSurfacePoint) {
     const PreciseVector q = precise(inside);
     ASSERT_TRUE(bounds.gauge(q).upper() <= Real(1));
     const double tolerance = 1e-6 * largest(solid);
-    const CertifiedDistance found = interior_distance(solid, bounds, q, tolerance);
+    const PrimitiveDistance found = interior_distance(solid, bounds, q, tolerance);
     ASSERT_LE(found.distance.width(), tolerance);
     ASSERT_EQ(found.distance.lo, lower_bound(bounds, q, found.direction));
     for (int k = 0; k < 50; ++k) {

@@ -19,7 +19,7 @@ namespace verisq::verify {
 // Results of searches for a point, in the form of certificates.
 
 /// An enclosure of the signed distance and the vectors that certify its ends, in the solid's frame.
-struct CertifiedDistance {
+struct PrimitiveDistance {
   Enclosure distance;
   Proposal direction;     ///< certifies the lower end
   Proposal witness = {};  ///< certifies the upper end outside: leads from a point near the solid's surface to the query

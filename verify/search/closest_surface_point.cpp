@@ -240,7 +240,7 @@ class Projection {
   }
 
   /// Precondition: q is proven to lie in the interior. Nothing if a nearest point is not proven to be the only one.
-  [[nodiscard]] std::optional<LocalAnswer> inside(const CertifiedDistance& found) const {
+  [[nodiscard]] std::optional<LocalAnswer> inside(const PrimitiveDistance& found) const {
     const PreciseVector direction = unit(precise(found.direction));
     const PreciseInterval reach(Real(-found.distance.lo));
     std::optional<LocalAnswer> zero = stationary(q_ + direction * reach, reach.upper());
@@ -478,7 +478,7 @@ ClosestSurfacePoint within_distance(const PosedSuperquadric& solid, const Projec
 ClosestSurfacePoint inside_point(const PosedSuperquadric& solid, const Projection& projection, const PreciseVector& q) {
   const Superquadric& superquadric = solid.superquadric();
   const double tolerance = kDepthTolerance * std::ranges::max(superquadric.semi_axes);
-  const CertifiedDistance found = interior_distance(superquadric, solid.bounds(), q, tolerance);
+  const PrimitiveDistance found = interior_distance(superquadric, solid.bounds(), q, tolerance);
   if (const std::optional<LocalAnswer> inside = projection.inside(found))
     return in_model(solid.motion(), *inside, true);
   return within_distance(solid, projection, PreciseInterval(Real(found.distance.lo), Real(found.distance.hi)));

@@ -61,13 +61,13 @@ Contact with_own_normal(const Superquadric& solid, const Contact& contact) {
   return {x, {std::copysign(n[0], x[0]), std::copysign(n[1], x[1]), n[2]}};
 }
 
-CertifiedDistance certified(const SuperquadricBounds<Real>& bounds, const PreciseVector& q, const Contact& contact) {
+PrimitiveDistance certified(const SuperquadricBounds<Real>& bounds, const PreciseVector& q, const Contact& contact) {
   return {{lower_bound(bounds, q, contact.normal), upper_bound(bounds, q, contact.point)},
           contact.normal,
           difference(midpoint(q), contact.point)};
 }
 
-CertifiedDistance best_of(const CertifiedDistance& a, const CertifiedDistance& b, const PreciseVector& q) {
+PrimitiveDistance best_of(const PrimitiveDistance& a, const PrimitiveDistance& b, const PreciseVector& q) {
   const auto what = [&] {
     return "the distance of a superquadric to " + text_of(rounded(midpoint(q))) + " in its frame";
   };
@@ -77,14 +77,14 @@ CertifiedDistance best_of(const CertifiedDistance& a, const CertifiedDistance& b
 
 }  // namespace
 
-CertifiedDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+PrimitiveDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                     const PreciseVector& q, double tolerance) {
   const Proposal middle = midpoint(q);
   const double reach = length<Real>(q).upper().to_double(Direction::up);
   const double expected = kExpectedWidth * std::max(reach, std::ranges::max(solid.semi_axes));
-  std::optional<CertifiedDistance> best;
+  std::optional<PrimitiveDistance> best;
   const auto prove = [&](const Contact& contact) {
-    const CertifiedDistance proven = certified(bounds, q, contact);
+    const PrimitiveDistance proven = certified(bounds, q, contact);
     best = best ? best_of(*best, proven, q) : proven;
     return best->distance.width() <= std::max(tolerance, expected);
   };
@@ -361,7 +361,7 @@ std::array<double, 3> shortest_axis(const Superquadric& solid) {
 
 }  // namespace
 
-CertifiedDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+PrimitiveDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                     const PreciseVector& q, double tolerance) {
   double depth = central_depth(solid, bounds, q);
   const Reduced reduced = reduce(solid, q);
@@ -378,11 +378,11 @@ CertifiedDistance interior_distance(const Superquadric& solid, const Superquadri
   return {{lower_bound(bounds, q, direction), -depth}, direction};
 }
 
-CertifiedDistance ConvexPrimitive::signed_distance(const Point& x, double tolerance) const {
+PrimitiveDistance ConvexPrimitive::signed_distance(const Point& x, double tolerance) const {
   const PreciseVector q = proof_.motion().local_point(x);
-  CertifiedDistance result = exterior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
+  PrimitiveDistance result = exterior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
   if (result.distance.lo <= 0.0 && proof_.bounds().gauge(q).upper() <= Real(1)) {
-    const CertifiedDistance inside = interior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
+    const PrimitiveDistance inside = interior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
     result.distance.hi = inside.distance.hi;
     if (inside.distance.lo > result.distance.lo) result = inside;
   }

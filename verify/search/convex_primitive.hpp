@@ -14,7 +14,7 @@ namespace verisq::verify {
 /// The distance for every point of the box q in the solid's frame, at most `tolerance` wide or to the rounding of the
 /// result. It is valid for points inside, too. There the lower end is that of the nearest plane along the ray from the
 /// centre, and the upper end is positive.
-[[nodiscard]] CertifiedDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+[[nodiscard]] PrimitiveDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                                   const PreciseVector& q, double tolerance);
 
 // Encloses the depth of a point by a polyhedron inscribed in the solid and refined where it comes closest.
@@ -43,7 +43,7 @@ struct DepthGoal {
 /// The distance for every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or
 /// about 1e-14 of the largest semi-axis if that is more, or the search's budget is spent. Precondition: g <= 1 proven
 /// on q.
-[[nodiscard]] CertifiedDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+[[nodiscard]] PrimitiveDistance interior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                                   const PreciseVector& q, double tolerance);
 
 // One posed superquadric, ready for searches and their proofs.
@@ -53,7 +53,7 @@ class ConvexPrimitive {
   explicit ConvexPrimitive(const Primitive& primitive) : proof_(primitive) {}
 
   /// Signed distance of a point of the model frame.
-  [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
+  [[nodiscard]] PrimitiveDistance signed_distance(const Point& x, double tolerance) const;
 
   /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
   [[nodiscard]] Proposal model_direction(const Proposal& v) const {

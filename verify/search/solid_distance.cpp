@@ -348,7 +348,7 @@ class Search {
   [[nodiscard]] BentDistance::Nearest nearest_of(std::size_t primitive) const {
     if (!scene_.convex[primitive]) return (*scene_.bent[primitive])(x_);
     const ConvexPrimitive& convex = *scene_.convex[primitive];
-    const CertifiedDistance found = convex.signed_distance(x_, tolerance_ / 4);
+    const PrimitiveDistance found = convex.signed_distance(x_, tolerance_ / 4);
     const Proposal out = convex.model_direction(usable(found.witness) ? found.witness : found.direction);
     const Point surface = usable(out) ? moved(x_, out, -static_cast<long double>(found.distance.hi)) : x_;
     return {found.distance, surface};
@@ -379,7 +379,7 @@ class Search {
     const std::vector<bool> wanted = leaves(Side::outside);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (!wanted[i] || !scene_.convex[i] || at_x[i] != Colour::black) continue;
-      const CertifiedDistance found = scene_.convex[i]->signed_distance(x_, tolerance_ / 4);
+      const PrimitiveDistance found = scene_.convex[i]->signed_distance(x_, tolerance_ / 4);
       leaf_bound_of(i, Side::outside) = std::max(0.0, -found.distance.hi);
       const Proposal out = scene_.convex[i]->model_direction(found.direction);
       if (!usable(out) || proposals_left_ == 0) continue;

@@ -19,7 +19,7 @@ namespace verisq::verify {
 namespace {
 
 /// The direction as long as the distance (docs/mathematics.md §3: the closest point is x - v).
-Proposal normal_vector(const CertifiedDistance& found) {
+Proposal normal_vector(const PrimitiveDistance& found) {
   constexpr double shortest = 0x1p-900;  // its components stay normal numbers, unless they do not matter
   const Proposal& u = found.direction;
   const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
@@ -29,7 +29,7 @@ Proposal normal_vector(const CertifiedDistance& found) {
 
 /// The normals that prove the ends of one primitive's enclosure: a single vector if it proves both. `resolution` is the
 /// rounding error of the lengths involved.
-std::vector<Normal> normals_of(std::uint32_t primitive, const CertifiedDistance& found, double resolution) {
+std::vector<Normal> normals_of(std::uint32_t primitive, const PrimitiveDistance& found, double resolution) {
   const Proposal normal = normal_vector(found);
   const Proposal apart = difference(normal, found.witness);
   const bool same = std::sqrt(dot(apart, apart)) <= resolution;
@@ -96,7 +96,7 @@ CertifiedEnclosure signed_distance(std::span<const ConvexPrimitive> primitives, 
   for (const auto& [bound, i] : nearest_spheres_first(primitives.size(), sphere_bound)) {
     const auto index = static_cast<std::uint32_t>(i);
     if (bound > distance.hi) break;  // neither this primitive nor a later one can be the nearest
-    const CertifiedDistance nearest = primitives[index].signed_distance(x, tolerance);
+    const PrimitiveDistance nearest = primitives[index].signed_distance(x, tolerance);
     const std::vector<Normal> normals = normals_of(index, nearest, touching);
     const bool decides = nearest.distance.hi < distance.hi;
     certificate.normals.insert(decides ? certificate.normals.begin() : certificate.normals.end(), normals.begin(),
