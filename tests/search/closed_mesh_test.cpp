@@ -337,8 +337,54 @@ TEST(ClosedMesh, TellsWhatMeetsWhat) {
   EXPECT_GT(crossing.unclean, 50U);
   EXPECT_LT(crossing.unclean, crossing.triangles / 2);
   EXPECT_GT(crossing.within, 100U);
+  const ClosedMesh::Facts folded = ClosedMesh(folded_and_crossing_in_corner()).facts();
+  EXPECT_EQ(folded.unclean, 13U);  // eight in planes, the three that come through two others
   const ClosedMesh::Facts needle = ClosedMesh(tetrahedron_with_degenerate()).facts();
   EXPECT_EQ(needle.degenerate, 1U);
+}
+
+/// Corners on a line, to rounding, far from the origin: whatever shares are proposed, the ends are right.
+TEST(ClosedMesh, NeedlesAreBounded) {
+  Random random(8);
+  for (int n = 0; n < 3000; ++n) {
+    const double far = std::ldexp(1.0, n % 40);
+    Point a, b, c, q;
+    const double share = random.uniform(-1.0, 2.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      a[i] = far + random.uniform(0, 1);
+      b[i] = far + random.uniform(0, 1);
+      c[i] = n % 7 == 0 ? b[i] : a[i] + share * (b[i] - a[i]);
+      q[i] = n % 3 == 0 ? a[i] + 0.3 * (b[i] - a[i]) : far + random.uniform(-2, 2);
+    }
+    const Triangle triangle{a, b, c};
+    const DistanceBounds bounds = distance_bounds(q, triangle);
+    const oracle::Fraction exact = oracle::ExactMesh(std::array<Triangle, 1>{triangle}).squared_distance(q);
+    EXPECT_TRUE(oracle::holds_root({bounds.lower, bounds.upper}, exact)) << n;
+  }
+}
+
+TEST(ClosedMesh, AllThatMayBeNearestAreListedOrItIsSaid) {
+  const Mesh mesh = sphere_mesh(3);
+  const std::vector<Triangle> triangles = triangles_of(mesh);
+  const WideTree tree(triangles);
+  Mesh octahedra = sphere_mesh(0);
+  for (int n = 0; n < 4; ++n) octahedra = join(octahedra, sphere_mesh(0));
+  EXPECT_FALSE(WideTree(triangles_of(octahedra)).nearest({0, 0, 0}).complete);
+  Places places(mesh, 6);
+  for (int n = 0; n < 300; ++n) {
+    const Point point = places.next();
+    const WideTree::Nearest found = tree.nearest(point, static_cast<std::uint32_t>(n));
+    std::vector<std::uint32_t> within;
+    tree.within(point, found.distance.hi, within);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      const DistanceBounds bounds = distance_bounds(point, triangles[t]);
+      if (bounds.upper > found.distance.hi * (1.0 + 1e-13)) continue;
+      EXPECT_THAT(within, ::testing::Contains(t));
+      if (!found.complete) continue;
+      EXPECT_TRUE(std::any_of(found.near.begin(), found.near.begin() + static_cast<std::ptrdiff_t>(found.count),
+                              [t](const WideTree::Near& near) { return near.triangle == t; }));
+    }
+  }
 }
 
 TEST(ClosedMesh, PlanesDecideNearSmoothSurfacesAndRaysTheRest) {
