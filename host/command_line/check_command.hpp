@@ -1,5 +1,5 @@
-/// `verisq check`, which is also the program `verisq-check`: what is proved again, a file each, and the summaries of
-/// it.
+/// `verisq check`, which is also the program `verisq-check`: one source file for each kind of answer that is proved
+/// again, and the summaries.
 #pragma once
 
 #include <array>
@@ -25,37 +25,37 @@
 
 namespace verisq::command_line {
 
-// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
-// triangles, and the certificates, the answer of a certificate file, or an octree, without OpenCL.
+// `verisq check`, which is also the program `verisq-check`. Proves a finished map again from the model, the points or
+// triangles, and the certificates; or the answer of a certificate file; or an octree. Without OpenCL.
 
-/// As typed, but for the last.
+/// As typed, but for the last member.
 struct CheckArguments {
-  std::vector<std::string> models;  ///< of a map one, of a certificate those that it is about, in its order
+  std::vector<std::string> models;  ///< one for a map; for a certificate its models, in its order
   InputArguments inputs;            ///< all but the model
   // One of these, or a map with the certificate of a fit.
   std::string map;
   std::string certificate;
   std::string octree;
-  std::string poses;                    ///< that a certificate is to be of; empty: any
-  std::string within;                   ///< the bone's outer surface of a way in along a cavity; empty: none
-  std::string surface_map;              ///< of the fit, of whole triangles
-  std::optional<std::uint64_t> sample;  ///< of the octree, how many cubes; nothing: all
+  std::string poses;                    ///< the poses that a certificate must be about; empty: any
+  std::string within;                   ///< the bone's outer surface for a way in along a cavity; empty: none
+  std::string surface_map;              ///< map of the fit's whole triangles
+  std::optional<std::uint64_t> sample;  ///< number of the octree's cubes to check; nothing: all
   double point_radius = 0.0;
   bool json = false;
   bool no_progress = false;
   std::optional<double> time_limit;           ///< in seconds
-  std::function<bool()> ended = interrupted;  ///< whether the work is to end: by a signal, or the time limit
+  std::function<bool()> ended = interrupted;  ///< returns whether the work is to end: by a signal, or the time limit
 };
 
 void declare_check(Options& options, CheckArguments& arguments);
 
-/// `verified` only when every enclosure is proved. Throws Error(input) for what the user can correct, also for a map
-/// that has not one row for each point or triangle.
+/// `verified` only when every enclosure is proved. Throws Error(input) for errors that the user can correct, also for a
+/// map that does not have one row for each point or triangle.
 ExitStatus run_check(const CheckArguments& given);
 
 // The summary of a checked map on the standard output: for people, or as one JSON object.
 
-/// An enclosure and what became of it.
+/// An enclosure and its finding.
 struct CheckedRow {
   std::uint64_t index;
   std::variant<Point, Triangle> element;
@@ -70,10 +70,10 @@ struct CheckReport {
   std::uint64_t proved = 0;
   std::uint64_t refuted = 0;
   std::uint64_t unproved = 0;
-  std::uint64_t missing = 0;               ///< points or triangles without a row, in what an ended run left
-  std::uint64_t unbounded = 0;             ///< rows that claim nothing of an end, whatever became of them
+  std::uint64_t missing = 0;               ///< points or triangles without a row, for the file of an ended run
+  std::uint64_t unbounded = 0;             ///< rows that leave an end unbounded, whatever their findings
   double largest_width = 0.0;              ///< of the proved enclosures
-  Enclosure smallest{infinity, infinity};  ///< what all rows so far prove of the smallest distance
+  Enclosure smallest{infinity, infinity};  ///< bounds of the smallest distance proven by all rows so far
   std::optional<CheckedRow> first;         ///< the first refuted row; without one, the first unproved
   std::optional<MapDifference> falsified;  ///< something else that the map shows, and that is not so
   double seconds = 0.0;                    ///< wall time from the first row to the last
@@ -87,7 +87,7 @@ struct CheckReport {
 /// Adds a row, in any order.
 void count(const CheckedRow& row, CheckReport& report);
 
-/// How many claims became what.
+/// The number of claims with each verdict.
 struct VerdictCounts {
   std::size_t proved = 0;
   std::size_t refuted = 0;
@@ -97,7 +97,7 @@ struct VerdictCounts {
   [[nodiscard]] bool are_all_proved() const { return refuted + unproved == 0; }
 };
 
-/// Of anything with findings.
+/// Counts the verdicts of anything with findings.
 template <class Claims, class FindingOf>
 [[nodiscard]] VerdictCounts counted(const Claims& claims, const FindingOf& finding_of) {
   VerdictCounts counts;
@@ -137,16 +137,16 @@ template <class Claims, class FindingOf>
 /// `verified` where all is proved.
 [[nodiscard]] ExitStatus status_of(const JudgedAnswer& judged);
 
-/// Which end is wrong or open, and why. Precondition: not proved.
+/// The end that is wrong or open, and the reason. Precondition: not proved.
 [[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);
 
-/// 17 significant digits give back the same binary64.
+/// 17 significant digits, which give back the same binary64.
 [[nodiscard]] std::string exact_text(const Enclosure& enclosure);
 
-/// How many rows, and how many of each verdict: a line each.
+/// The number of rows, and of each verdict: a line each.
 [[nodiscard]] std::string verdicts_in_words(const CheckReport& report);
 
-/// Of the first refuted or unproved row.
+/// Describes the first refuted or unproved row.
 [[nodiscard]] std::string readable(const CheckedRow& row, MapElements elements);
 [[nodiscard]] JsonObject object_of(const CheckedRow& row, MapElements elements);
 
@@ -163,41 +163,40 @@ template <class Claims, class FindingOf>
 struct CertificateCheckArguments {
   std::string certificate;
   std::vector<std::string> models;  ///< in the order of the certificate
-  std::string poses;                ///< a file whose poses those of the certificate have to be; empty: any
+  std::string poses;                ///< a file with the poses that the certificate must have; empty: any
   bool json = false;
-  std::function<bool()> ended = {};  ///< as CheckArguments have it
+  std::function<bool()> ended = {};  ///< as in CheckArguments
 };
 
 /// A and B.
 using TwoModels = std::array<Model, 2>;
 
-/// Those that are given. Throws Error(input) unless they are the ones that the answer is about, in the units that it
-/// states.
+/// The given models. Throws Error(input) unless they are the models of the answer, in its stated units.
 [[nodiscard]] TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
                                   const CertificateCheckArguments& arguments);
 
 /// Throws Error(input) unless the file, if one is given, holds these poses in this order.
 void refuse_other_poses(const std::string& file, std::span<const Pose> poses, const std::string& certificate);
 
-/// Whether it is what the user meant, after that: a line that says who has to see to it. A `way`, or a path.
+/// A line that says who must check whether the path is the one that the user meant. `way` is "way" or "path".
 [[nodiscard]] std::string meant_in_words(const std::string& file, std::string_view way);
 
-/// Throws Error(input) unless the units of what is given, `what`, are those that the certificate states.
+/// Throws Error(input) unless the units of `what` are those that the certificate states.
 void refuse_other_units(const std::string& units, const char* what, const std::string& stated,
                         const std::string& certificate);
 
-/// Throws Error(input) where no model is given, or an option that an answer about two models has no use for.
+/// Throws Error(input) if no model is given, or an option that an answer about two models does not use.
 [[nodiscard]] CertificateCheckArguments arguments_of_two_models(const CheckArguments& arguments);
 
-/// `verified` only when the answer is proved. Throws Error(input) for what the user can correct, also for other models
-/// than those that the answer is about.
+/// `verified` only when the answer is proved. Throws Error(input) for errors that the user can correct, also for models
+/// other than those of the answer.
 ExitStatus run_check(const PairAnswer& answer, const CheckArguments& arguments);
 ExitStatus run_check(const PoseAnswers& answers, const CheckArguments& arguments);
 
-// Whether one tolerance explains every status of a map: "verified" rows are at most so wide, "wide" ones are wider. A
-// tolerance of 0, which asks for the tightest, has a width of its own for each row.
+// Whether one tolerance explains every status of a map: "verified" rows are at most that wide, "wide" rows are wider. A
+// tolerance of 0, which requests the tightest rows, has a width of its own for each row.
 
-/// What a tolerance of 0 calls verified: rows at most `surely` wide, none wider than `possibly`.
+/// The widths that a tolerance of 0 calls verified: rows at most `surely` wide are, none wider than `possibly` is.
 struct TightestWidths {
   double surely = 0.0;
   double possibly = infinity;
@@ -206,10 +205,10 @@ struct TightestWidths {
 /// The tolerance itself is not in the map, nor can a map prove which of device and host verified a row.
 class StatusConsistency {
  public:
-  /// In any order.
+  /// Adds a row; rows may come in any order.
   void add(std::uint64_t index, const MapResult& row, const TightestWidths& tightest);
 
-  /// A row whose status no finite tolerance allows beside those of the others; the array is "status".
+  /// A row whose status no finite tolerance allows beside the statuses of the others; the array is "status".
   [[nodiscard]] std::optional<MapDifference> contradiction() const;
 
  private:
@@ -226,13 +225,13 @@ class StatusConsistency {
 
 // `verisq check --map`: every row of a map proved again.
 
-/// Told of each row what is proven of it, by one thread at a time, in any order.
+/// Called with the proven enclosure of each row, by one thread at a time, in any order.
 using Proven = std::function<void(std::uint64_t row, const Enclosure& proven)>;
 
-/// `map` is `arguments.map`. Throws Error(input) for what the user can correct.
+/// `map` is `arguments.map`. Throws Error(input) for errors that the user can correct.
 [[nodiscard]] CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const Proven& proven);
 
-// Proves the octree of a file again: of its cubes all, or some chosen at random.
+// Proves the octree of a file again: all of its cubes, or some chosen at random.
 
 struct OctreeCheckArguments {
   std::string octree;
@@ -247,7 +246,7 @@ struct OctreeCheckArguments {
 /// `verified` only where every cube that was looked at is proved.
 ExitStatus run_octree_check(const OctreeCheckArguments& arguments);
 
-// Proves the answers of a certificate file of many poses again, and says what became of them.
+// Proves the answers of a certificate file of many poses again, and reports the findings.
 
 struct PosesReport {
   /// An answer that is not proved.
@@ -262,8 +261,8 @@ struct PosesReport {
   std::uint64_t proved = 0;
   std::uint64_t refuted = 0;
   std::uint64_t unproved = 0;
-  std::uint64_t unbounded = 0;  ///< that claim nothing from above
-  double largest_width = 0.0;   ///< of the proved ones
+  std::uint64_t unbounded = 0;  ///< answers without a claim from above
+  double largest_width = 0.0;   ///< of the proved answers
   std::optional<Open> first{};  ///< refuted; without one, unproved
   double seconds = 0.0;
   bool interrupted = false;
@@ -276,12 +275,12 @@ struct PosesReport {
 [[nodiscard]] std::string readable(const PosesReport& report);
 [[nodiscard]] std::string json(const PosesReport& report);
 
-// How far a path of poses leads, and what is to be seen of it.
+// The length of a path of poses, and its description.
 
-/// Of the moving origin, about: for people.
+/// The approximate length of the moving origin's way: for people.
 [[nodiscard]] double length_of(std::span<const Pose> path);
 
-/// Of all its turns, about: for people.
+/// The approximate sum of all its turns: for people.
 [[nodiscard]] double degrees_of(std::span<const Pose> path);
 
 /// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.

@@ -32,10 +32,10 @@ struct ProofArguments {
 /// Of the statistics.
 inline const std::vector<double> proven_percentiles{95.0};
 
-/// Ends early once `ended` says so.
+/// Ends early once `ended` returns true.
 [[nodiscard]] Deviation proven_deviation(const Model& model, const Mesh& mesh, const ProofArguments& arguments);
 
-// What `verisq deviation` says: for people, for the page of a report, or as one JSON object.
+// The output of `verisq deviation`: for people, for the page of a report, or as one JSON object.
 
 struct DeviationReport {
   Deviation deviation;
@@ -44,9 +44,9 @@ struct DeviationReport {
   bool is_cloud = false;
   std::size_t triangles = 0;
   std::string output = {};                        ///< the file that holds the rows; empty when none was kept
-  std::string certificate = {};                   ///< what proves distances again; empty where none was written
+  std::string certificate = {};                   ///< file of certificates for the distances; empty if none was written
   std::string without_surface = {};               ///< why it proves nothing of the model's surface, if that was found
-  std::optional<ProvenDeviation> certified = {};  ///< what it proves
+  std::optional<ProvenDeviation> certified = {};  ///< the deviation that it proves
   ReportFiles files = {};
   std::string units = {};  ///< of the model; empty when not given
   double seconds = 0.0;    ///< wall time
@@ -62,7 +62,7 @@ struct DeviationReport {
 // A deviation for people to look at: the mesh, coloured by its distance to the model's surface, on a page or a
 // picture.
 
-/// What is drawn, and where it was read from or written to.
+/// The drawn model and mesh, and the files from which they were read or to which they were written.
 struct DrawnDeviation {
   const Model& model;
   std::string model_file;
@@ -70,12 +70,12 @@ struct DrawnDeviation {
   std::string mesh_file;
 };
 
-/// Of a finished map of the mesh's vertices: with the lines of `report`. Throws Error(failure).
+/// Writes the reports of a finished map of the mesh's vertices, with the lines of `report`. Throws Error(failure).
 void write(const ReportFiles& files, const DrawnDeviation& drawn, const DeviationReport& report);
 
-// `verisq deviation`: how far a mesh or a cloud and the surface of a model lie apart, both ways.
+// `verisq deviation`: the deviation between a mesh or a cloud and the surface of a model, both ways.
 
-/// A length in model units, or a share of what it is the tolerance of.
+/// A length in model units, or a share of the quantity whose tolerance it is.
 struct LengthOrShare {
   double value;
   bool is_share;
@@ -88,15 +88,15 @@ struct LengthOrShare {
 struct DeviationArguments {
   InputArguments inputs;
   std::optional<LengthOrShare> tolerance;
-  std::vector<double> percentiles;  ///< none: those of the library
-  bool both_ways = false;           ///< of points
+  std::vector<double> percentiles;  ///< empty: the library's percentiles
+  bool both_ways = false;           ///< for points
   bool statistics_of_model = false;
   std::uint32_t parts = 0;  ///< along the mesh; 0: none
-  std::string landmarks;    ///< of a femur, whose regions are measured
+  std::string landmarks;    ///< landmarks of a femur, whose regions are measured
   std::optional<double> time_limit;
   std::string device = "auto";
   std::string output;
-  std::string certificate_file;  ///< what proves the distances again
+  std::string certificate_file;  ///< receives the proof of the distances
   ReportFiles report;
   bool json = false;
   bool no_progress = false;
@@ -104,7 +104,7 @@ struct DeviationArguments {
 
 void declare_deviation(Options& options, DeviationArguments& arguments);
 
-/// Throws Error(input) for what the user can correct, before the first distance is computed.
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
 ExitStatus run_deviation(const DeviationArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -31,12 +31,12 @@ struct FitArguments {
   std::vector<std::string> implants;     ///< files of the series
   std::vector<std::string> instruments;  ///< files: none, or one an implant
   std::string mesh;
-  bool cavity = false;  ///< the mesh is the surface of one
+  bool cavity = false;  ///< the mesh is the surface of a cavity
   bool bone = false;
   bool any_side = false;
   std::optional<Plane> resection;
   std::vector<std::string> crossing;  ///< primitives
-  std::vector<std::string> outside;   ///< likewise
+  std::vector<std::string> outside;   ///< primitives
   std::string landmarks;              ///< of the bone; empty when not given
   double landmark_radius = 0.0;
   std::vector<KeptFeature> kept;
@@ -46,7 +46,7 @@ struct FitArguments {
   std::optional<double> gap;
   std::optional<double> gap_tolerance;
   double penetration_limit = 0.0;
-  std::optional<MapElements> on;  ///< what keeps the limit: vertices or triangles
+  std::optional<MapElements> on;  ///< the elements that keep the limit: vertices or triangles
   std::optional<Pose> pose_start;
   std::optional<double> translation_range;
   double rotation_range = 30.0;  ///< degrees
@@ -57,16 +57,16 @@ struct FitArguments {
   double bound_time = 300.0;  ///< seconds for it
   std::optional<double> time_limit;  ///< seconds for all
   std::string bound_certificate;
-  std::string contact_certificate;    ///< of areas in contact; empty when not asked for
+  std::string contact_certificate;    ///< for areas in contact; empty when not requested
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
   std::vector<Area> weights;
   std::optional<double> tolerance;
   std::string device = "auto";
   std::string output;
-  std::string map;               ///< empty when not asked for
-  bool certificates = false;     ///< of the map, and the page of the report
-  std::string surface_map;       ///< of whole triangles, with certificates; empty when not asked for
-  std::string certificate_file;  ///< of what the map's distances say together; empty when not asked for
+  std::string map;               ///< empty when not requested
+  bool certificates = false;     ///< in the map, and in the page of the report
+  std::string surface_map;       ///< of whole triangles, with certificates; empty when not requested
+  std::string certificate_file;  ///< proves the joint statements of the map's distances; empty when not requested
   ReportFiles report;
   bool json = false;
   bool no_progress = false;
@@ -78,23 +78,24 @@ void declare_fit(Options& options, FitArguments& arguments);
 /// for whatever the user can correct, before the search.
 ExitStatus run_fit(const FitArguments& arguments);
 
-// What is asked of a fit, from the options and files of the user.
+// The request of a fit, from the options and files of the user.
 
 /// Throws Error(input) naming file or option, key and value.
 [[nodiscard]] FitRequest read_fit_request(const FitArguments& arguments);
 
-// The instrument that prepares the bed of an implant, like its rasp, where the implant was fitted: how deep it cuts.
+// The instrument that prepares the bed of an implant, like its rasp, at the pose of the fitted implant: how deep it
+// cuts.
 
 struct Instrument {
   std::string file;
   Model model;  ///< in the frame of its implant
 };
 
-/// One an implant, in the order of the series; none where none is given. Throws Error(input) for another number of
-/// them, for units that are not those of `problem`, and as read_model.
+/// One for each implant, in the order of the series; none if none is given. Throws Error(input) for another number of
+/// them, for units other than those of `problem`, and like read_model.
 [[nodiscard]] std::vector<Instrument> read_instruments(const FitProblem& problem, const FitArguments& arguments);
 
-/// Of one instrument at the pose of the implant.
+/// The clearance of one instrument at the pose of the implant.
 struct InstrumentClearance {
   std::string file;
   MeshClearance surface;  ///< of the whole bone
@@ -105,37 +106,37 @@ struct InstrumentClearance {
 [[nodiscard]] InstrumentClearance prove_instrument(const FitProblem& problem, const Fit& fit,
                                                    const Instrument& instrument, const std::function<bool()>& stop);
 
-// What a fit leaves for those who prove its distances again: certificates in its maps and its page, and a file of what
-// the distances say together.
+// The files of a fit for a later proof of its distances: certificates in its maps and its page, and a file of the
+// distances' joint statements.
 
 /// Adds --certificates, --surface-map and --certificate-file.
 void declare_certificates(Options& options, FitArguments& arguments);
 
-/// Whether the distances of the vertices get certificates.
+/// Returns whether the distances of the vertices get certificates.
 [[nodiscard]] bool certifies(const FitArguments& arguments);
 
-/// Throws Error(input) where nothing keeps them, or they would be of another mesh than the file's.
+/// Throws Error(input) if no file would contain them, or if they would be about a mesh other than the file's.
 void check_certificates(const FitArguments& arguments);
 
-/// Throws Error(input) for what has no triangles, where their map is asked for.
+/// Throws Error(input) for a mesh without triangles, if their map is requested.
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments);
 
-/// Of the map of the vertices.
+/// The contents of the map of the vertices.
 [[nodiscard]] MapContents contents_of(const FitArguments& arguments);
 
-/// Writes the map of whole triangles and the certificate file, where they are asked for. Precondition: the fitted
-/// model's file is written. `options`: tolerance, device and when to end; unverified where the limit
-/// left triangles wide. Throws Error(failure), and as TriangleMapper.
+/// Writes the map of whole triangles and the certificate file, if they are requested. Precondition: the fitted model's
+/// file is written. `options`: tolerance, device and when to end. Returns unverified if the limit left triangles wide.
+/// Throws Error(failure), and like TriangleMapper.
 [[nodiscard]] ExitStatus write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
                                             std::vector<SideClaim> sides, const MapOptions& options,
                                             const FitArguments& arguments);
 
-/// Writes the certificate of the bound, where it is asked for and done by the limit; else tells why not. Returns the
+/// Writes the certificate of the bound, if it is requested and finished by the limit; else reports why not. Returns the
 /// upper end that it proves: hardly more than the bound's.
 std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
                                               const Deadline& limit, const FitArguments& arguments);
 
-// The option --contact-certificate-file of `verisq fit`: what proves its areas in contact again.
+// The option --contact-certificate-file of `verisq fit`: the proof of its areas in contact.
 
 /// Adds it.
 void declare_contact_certificate(Options& options, FitArguments& arguments);
@@ -143,26 +144,26 @@ void declare_contact_certificate(Options& options, FitArguments& arguments);
 /// Throws Error(input) where the mesh is not that of the file, or is no file that a digest can name.
 void check_contact_certificate(const FitArguments& arguments);
 
-/// Throws Error(input) for a mesh without triangles, where it is asked for.
+/// Throws Error(input) for a mesh without triangles, if the file is requested.
 void refuse_what_has_no_contact(const FitProblem& problem, const FitArguments& arguments);
 
-/// What became of the file.
+/// The result of writing the file.
 enum class ContactFile : std::uint8_t { not_asked_for, written, interrupted, out_of_time, too_large };
 
-/// Writes it where it is asked for, with the areas that the fit found as far as they are proven; of others, and of a
-/// file that is not written, tells on the standard error. A Ctrl-C ends it, unless one had come before, and
-/// the limit does. Precondition: the fitted model's file is written. Throws Error(failure).
+/// Writes the file if it is requested, with the areas that the fit found, as far as they are proven. Reports other
+/// areas, and a file that is not written, on the standard error. Ctrl-C ends it, unless one had come before, and so
+/// does the limit. Precondition: the fitted model's file is written. Throws Error(failure).
 [[nodiscard]] ContactFile write_contact_certificate(const FitProblem& problem, const Fit& fit, const FitProof& proof,
                                                     const Deadline& limit, const FitArguments& arguments);
 
 // The certified summary of a fit: for people, for a report, or as one JSON object.
 
-/// What no pose of the range exceeds, and how far from it the fit is.
+/// The objective that no pose of the range exceeds, and the gap between it and the fit.
 struct BestPossible {
   FitBound bound;
   double asked;  ///< share of the bound that the fit may be below it
-  /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing unless every
-  /// vertex is proven to keep the limit that the bound is for, and the objective to be positive.
+  /// The largest distance of the proven objective below the bound, as a share of the bound, rounded up. Nothing unless
+  /// every vertex is proven to keep the bound's limit, and the objective to be positive.
   std::optional<double> gap;
   double seconds;  ///< wall time
 };
@@ -199,7 +200,7 @@ struct FitSummary {
   std::string surface_map = {};        ///< likewise
   std::string certificate_file = {};   ///< likewise
   std::string bound_certificate = {};  ///< likewise
-  /// Of the bound, what that proves; nothing where it was not written.
+  /// The upper end that the bound's certificate proves; nothing if it was not written.
   std::optional<double> certified_upper = {};
   std::string contact_certificate = {};  ///< empty when not written
 };
@@ -207,16 +208,16 @@ struct FitSummary {
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
 [[nodiscard]] double largest_objective(const Clearance& clearance);
 
-/// A sentence for each change that is not known, or not proven to be within what is asked.
+/// A sentence for each change that is not known, or not proven to be within its required range.
 [[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
 
-/// A sentence for each area of contact that is not proven to be within what is asked.
+/// A sentence for each area of contact that is not proven to be within its required range.
 [[nodiscard]] std::vector<std::string> broken_contacts(const FitSummary& summary);
 
-/// A sentence for each primitive that is not proven to lie where it has to.
+/// A sentence for each primitive that is not proven to lie on its required side.
 [[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);
 
-/// What is proven, the most important first, areas included. Digits are rounded outward.
+/// The proven results, the most important first, areas included. Digits are rounded outward.
 [[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);
 
 /// The same with a table of the areas, devices, times and files.

@@ -1,4 +1,4 @@
-/// What commands read: models in their place, clouds, streams of points, triangles and poses, none of which is
+/// The inputs of commands: models in their place, clouds, streams of points, triangles and poses. None of them is
 /// overwritten.
 #pragma once
 
@@ -21,15 +21,15 @@
 
 namespace verisq::command_line {
 
-// What is written must not be what is read.
+// Output files must not be input files.
 
-/// Throws Error(input) if `output`, the value of `option`, is one of the files `inputs`, whose empty names are none.
+/// Throws Error(input) if `output`, the value of `option`, is one of the files `inputs`; empty names stand for no file.
 void refuse_to_overwrite(std::string_view option, const std::string& output, const std::vector<std::string>& inputs);
 
-/// Throws Error(input) where two of these outputs, whose empty names are none, would be one file: by links, too.
+/// Throws Error(input) if two of these outputs would be one file, by links, too; empty names stand for no file.
 void refuse_one_file_twice(const std::vector<std::string>& outputs);
 
-// The option --pose: a model file read, and moved before anything is asked of it.
+// The option --pose: a model file is read, and the model moved before all computations.
 
 /// Adds --pose.
 void add_pose(Options& options, std::optional<Pose>& pose);
@@ -37,13 +37,13 @@ void add_pose(Options& options, std::optional<Pose>& pose);
 /// The model, moved (verisq/posed_model.hpp) where there is a pose. Throws Error(input).
 [[nodiscard]] Model moved_by(const std::optional<Pose>& pose, const Model& model, const std::string& file);
 
-/// The file's model, likewise.
+/// The file's model, moved by the pose.
 [[nodiscard]] Model read_model_at(const std::optional<Pose>& pose, const std::string& file);
 
-/// Likewise. Throws Error(input) also where the pose would move a translation that is an interval.
+/// The same. Throws Error(input) also if the pose would move a translation that is an interval.
 [[nodiscard]] UncertainModel read_uncertain_model_at(const std::optional<Pose>& pose, const std::string& file);
 
-// The options that say how well the place of a model is known.
+// The options for the accuracy of a model's place.
 
 /// As typed.
 struct PoseUncertaintyArguments {
@@ -55,20 +55,20 @@ struct PoseUncertaintyArguments {
 /// Adds --translation-error, --rotation-error and --rotation-centre of `whose` place.
 void add_pose_uncertainty(Options& options, PoseUncertaintyArguments& arguments, const std::string& whose);
 
-/// Nothing where neither error is given. The centre is in the model's own coordinates. Throws Error(input) for a centre
-/// that nothing turns about.
+/// Nothing if neither error is given. The centre is in the model's own coordinates. Throws Error(input) for a centre
+/// without an error of rotation.
 [[nodiscard]] std::optional<PoseUncertainty> pose_uncertainty(const PoseUncertaintyArguments& arguments);
 
-/// Likewise with the centre moved by the pose, to nearest.
+/// The same with the centre moved by the pose, rounded to nearest.
 [[nodiscard]] std::optional<PoseUncertainty> pose_uncertainty(const PoseUncertaintyArguments& arguments,
                                                               const std::optional<Pose>& pose);
 
 /// "its place known to 0.5, 0.5, 0.5 mm along the axes and 0.5 degrees about (0, 0, 40)".
 [[nodiscard]] std::string described(const PoseUncertainty& bounds, const std::string& units);
 
-// How far a streamed file is worked off, for progress.
+// The progress through a streamed file.
 
-/// The part of all items of `file` that `done` finished ones of the `read` ones make up, about: how many there are is
+/// About the share of all items of `file` that `done` finished ones of the `read` ones are. The number of items is
 /// unknown until the end, and reading runs ahead of `done` by a few chunks. 0 when unknown. `File` is PointFile or
 /// PoseFile.
 template <class File>
@@ -78,7 +78,7 @@ template <class File>
   return static_cast<double>(file.bytes_read()) / bytes * (static_cast<double>(done) / static_cast<double>(read));
 }
 
-// What `map` and `check` both begin with: a model, and points from the vertices of a mesh or the lines of a file.
+// The common inputs of `map` and `check`: a model, and points from the vertices of a mesh or the lines of a file.
 
 /// Names of files, as typed.
 struct InputArguments {
@@ -105,16 +105,17 @@ class PointStream {
   /// Reads the mesh or opens the file of points. Throws Error(input). Precondition: `check_usage` passed.
   explicit PointStream(const InputArguments& inputs);
 
-  /// Fills `points` from the front; returns how many, fewer than asked only at the end. Throws Error(input).
+  /// Fills `points` from the front; returns the number of points, less than requested only at the end. Throws
+  /// Error(input).
   std::size_t read(std::span<Point> points);
 
-  /// Goes on at this point, counted from 0.
+  /// Continues at this point, counted from 0.
   void go_to(std::uint64_t point);
 
   /// The part of all points that `done` finished ones make up, about; 0 when unknown.
   [[nodiscard]] double fraction(std::uint64_t done) const;
 
-  /// How many points there are in all; nothing where that is not known before the last.
+  /// The number of all points; nothing if it is not known before the last.
   [[nodiscard]] std::optional<std::uint64_t> count() const;
 
   /// Null for a file of points.
@@ -128,9 +129,9 @@ class PointStream {
   std::size_t points_read_ = 0;
 };
 
-// The triangles of a mesh, a chunk at a time: what `map --on triangles` encloses and `check` proves again.
+// The triangles of a mesh, a chunk at a time: the elements of `map --on triangles` and its `check`.
 
-/// As PointStream.
+/// Has the functions of PointStream.
 class TriangleStream {
  public:
   using Element = Triangle;
@@ -141,10 +142,10 @@ class TriangleStream {
   /// Precondition: a mesh with triangles.
   explicit TriangleStream(Mesh mesh) : mesh_(std::move(mesh)) {}
 
-  /// Fills `triangles` from the front; returns how many, fewer than asked only at the end.
+  /// Fills `triangles` from the front; returns the number of triangles, less than requested only at the end.
   std::size_t read(std::span<Triangle> triangles);
 
-  /// Goes on at this triangle, counted from 0.
+  /// Continues at this triangle, counted from 0.
   void go_to(std::uint64_t triangle);
 
   /// The part of all triangles that `done` finished ones make up.
@@ -159,9 +160,9 @@ class TriangleStream {
   std::size_t triangles_read_ = 0;
 };
 
-// The poses of a file, a chunk at a time: what `distance --poses` encloses the distances of.
+// The poses of a file, a chunk at a time: the elements of `distance --poses`.
 
-/// As PointStream.
+/// Has the functions of PointStream.
 class PoseStream {
  public:
   using Element = Pose;
@@ -179,7 +180,7 @@ class PoseStream {
     poses_read_ = pose;
   }
 
-  /// Not known before the last one.
+  /// The number is not known before the last pose.
   [[nodiscard]] static std::optional<std::uint64_t> count() { return std::nullopt; }
 
   [[nodiscard]] double fraction(std::uint64_t done) const { return file_fraction(file_, poses_read_, done); }
@@ -191,7 +192,7 @@ class PoseStream {
 
 // A stream whose first elements are read before a device is chosen: a map of few rows is not worth a device's start.
 
-/// As `Stream` (see PointStream), which must outlive this.
+/// Has the functions of `Stream` (see PointStream), which must outlive this.
 template <class Stream>
 class PeekedStream {
  public:
@@ -204,7 +205,8 @@ class PeekedStream {
 
   [[nodiscard]] bool has_few() const { return peeked_.size() <= few_rows; }
 
-  /// Fills `elements` from the front; returns how many, fewer than asked only at the end. Throws as `Stream`.
+  /// Fills `elements` from the front; returns the number of elements, less than requested only at the end. Throws like
+  /// `Stream`.
   std::size_t read(std::span<Element> elements) {
     const std::size_t count = std::min(elements.size(), peeked_.size() - delivered_);
     std::copy_n(peeked_.begin() + static_cast<std::ptrdiff_t>(delivered_), count, elements.begin());
@@ -220,7 +222,7 @@ class PeekedStream {
   std::size_t delivered_ = 0;
 };
 
-/// What `--device` stands for: "auto" leaves few rows to the host.
+/// The device that `--device` stands for: "auto" leaves few rows to the host.
 template <class Stream>
 [[nodiscard]] std::string device_for(const PeekedStream<Stream>& stream, const std::string& requested) {
   return requested == "auto" && stream.has_few() ? "host" : requested;

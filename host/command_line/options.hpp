@@ -19,7 +19,7 @@ class App;
 
 namespace verisq::command_line {
 
-/// Of an option that may stand alone.
+/// The value of an option that may stand alone.
 struct OptionalText {
   bool given = false;
   std::string text = {};  ///< empty where it stands alone

@@ -1,4 +1,4 @@
-/// What commands write: certificates, reports and pictures, and maps with their columns and summaries.
+/// The outputs of commands: certificates, reports and pictures, and maps with their columns and summaries.
 #pragma once
 
 #include <chrono>
@@ -45,16 +45,16 @@ struct ReportFiles {
 /// Adds --report, --png, --range and --up.
 void declare_report_files(Options& options, ReportFiles& files);
 
-/// Throws Error(input) for other extensions and where a file would overwrite one of `inputs`, whose empty names are
-/// none, or be one of the other `outputs`, by links, too; Error(failure) where a file cannot be written: known before
-/// all the work, not after it.
+/// Throws Error(input) for other extensions, and if a file would overwrite one of `inputs` or be one of the other
+/// `outputs`, by links, too; empty names stand for no file. Throws Error(failure) if a file cannot be written. So
+/// errors are known before all the work, not after it.
 void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs,
                  const std::vector<std::string>& outputs);
 
-/// Throws Error(failure). --range and --up, where given, take the place of what `report` says.
+/// Throws Error(failure). --range and --up, if given, replace the values of `report`.
 void write(const ReportFiles& files, const Report& report);
 
-// --columns: which columns a map has, and their order.
+// --columns: the columns of a map, and their order.
 
 /// The columns named between the commas of `text`; `closest` and `normal` are six each. Throws Error(input) that begins
 /// with `option` for other names and for one that is there twice.
@@ -64,53 +64,53 @@ void write(const ReportFiles& files, const Report& report);
 
 struct MapReport {
   MapSummary summary;
-  MapElements elements;  ///< what the rows are of
+  MapElements elements;  ///< the elements of the rows
   std::string output;    ///< the file that holds the map; empty when none was kept
-  ReportFiles files;     ///< with its pictures; names are empty for those not written
+  ReportFiles files;     ///< with its pictures; names are empty for files that are not written
   std::string units;     ///< of the model; empty when not given
-  std::string place;     ///< how well the model's is known; empty: exactly
+  std::string place;     ///< accuracy of the model's place; empty: exact
   double tolerance;
-  std::optional<ClosestPointSummary> closest;  ///< where closest points were asked for
+  std::optional<ClosestPointSummary> closest;  ///< set if closest points were requested
   double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed
   double seconds;              ///< wall time from the first element to the last row written
 };
 
 [[nodiscard]] std::string readable(const MapReport& report);
 
-/// The most important first. Digits are rounded outward: what is printed contains what is proven.
+/// The most important first. Digits are rounded outward: the printed interval contains the proven one.
 [[nodiscard]] std::vector<ReportLine> report_lines(const MapReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
 [[nodiscard]] std::string json(const MapReport& report);
 
-// Runs a map from a stream of elements to its files: what `map` and `distance --poses` have in common.
+// Runs a map from a stream of elements to its files: the common part of `map` and `distance --poses`.
 
-/// All rows of a map that is shown.
+/// All rows of a displayed map.
 struct ShownRows {
   std::vector<MapResult> results;
-  std::vector<Certificate> certificates;  ///< none, or one a row
+  std::vector<Certificate> certificates;  ///< none, or one for each row
 };
 
 struct MapRequest {
   MapElements elements;
   MapContents contents;
   std::string output;       ///< the file, `-` for the standard output; empty for none
-  std::string format = {};  ///< as those of `MapForm`
+  std::string format = {};  ///< as in `MapForm`
   std::vector<MapColumn> columns = {};
-  std::uint64_t first_row = 0;  ///< its index
+  std::uint64_t first_row = 0;  ///< index of the first row
   std::optional<std::uint64_t> rows = {};
-  ReportFiles report = {};  ///< what `show` writes
+  ReportFiles report = {};  ///< the files that `show` writes
   std::string units;        ///< of the model; empty when not given
-  std::string place = {};   ///< how well the model's is known; empty: exactly
+  std::string place = {};   ///< accuracy of the model's place; empty: exact
   double tolerance;
   bool show_progress;
   bool json;                         ///< the form of the summary
-  std::string why_wide_inside = {};  ///< said where rows of points inside are wide; empty: nothing
-  /// The closest points of finished rows, for files with those contents. Empty: none are asked for.
+  std::string why_wide_inside = {};  ///< printed if rows of points inside are wide; empty: nothing
+  /// The closest points of finished rows, for files with those contents. Empty: none are requested.
   std::function<std::vector<ClosestPoint>(std::span<const Point>, std::span<const MapResult>)> closest = {};
-  /// Likewise of poses.
+  /// The same for poses.
   std::function<std::vector<ClosestPoints>(std::span<const Pose>)> closest_pairs = {};
-  /// Called when the file of a map that was not interrupted is there. Empty: nothing more is to be done.
+  /// Called when the file of a map that was not interrupted is complete. Empty: nothing more is to be done.
   std::function<void(const MapSummary&, const std::optional<ClosestPointSummary>&)> finished = {};
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(const ShownRows&, const MapReport&)> show = {};
@@ -118,8 +118,8 @@ struct MapRequest {
 
 using Clock = std::chrono::steady_clock;
 
-/// Ends the files, prints the summary and says how the map ended. The map began at `start`, its first element was asked
-/// for at `first_element`. `writer` is nothing where no file is asked for, `rows` are those for `request.show`.
+/// Ends the files, prints the summary and reports how the map ended. The map began at `start`, its first element was
+/// requested at `first_element`. `writer` is nothing if no file is requested; `rows` are those for `request.show`.
 ExitStatus end_map(std::optional<MapWriter>& writer, const ShownRows& rows, const MapSummary& summary,
                    const std::optional<ClosestPointSummary>& closest, const MapRequest& request,
                    Clock::time_point start, Clock::time_point first_element);
@@ -145,7 +145,7 @@ void append(MapWriter& writer, const FinishedRows<Element>& rows) {
   }
 }
 
-/// Where they are asked for, of points or poses.
+/// Adds the closest points of points or poses, if they are requested.
 template <class Element>
 void add_closest_points(FinishedRows<Element>& rows, const MapRequest& request,
                         std::optional<ClosestPointSummary>& summary) {
@@ -178,8 +178,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   if (!request.output.empty()) {
     writer.emplace(request.output, mesh, form_of(request));
   }
-  // A file is read, and another written, by threads of their own, while kernels run; of a mesh there is nothing to
-  // read.
+  // Threads of their own read a file and write another one while kernels run; the elements of a mesh need no reading.
   std::optional<ReadAhead<Stream>> ahead;
   std::optional<WorkBehind<FinishedRows<Element>>> behind;
   if (writer) behind.emplace([&](const FinishedRows<Element>& rows) { append(*writer, rows); });

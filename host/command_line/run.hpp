@@ -15,7 +15,7 @@
 
 namespace verisq::command_line {
 
-// The exit status of every command: what a script may rely on.
+// The exit status of every command: scripts may rely on it.
 
 enum class ExitStatus {
   verified = 0,       ///< map: every enclosure is at most the tolerance wide; check: every enclosure is proved
@@ -73,42 +73,42 @@ template <class Arguments>
 inline constexpr const char* surface_description =
     "Closed oriented surface from points, a damaged mesh or a labelled volume; canals";
 
-/// By which `verisq surface` starts `verisq-surface`, which then answers as that command.
+/// The name by which `verisq surface` starts `verisq-surface`, which then answers as that command.
 inline constexpr const char* name_of_caller = "verisq";
 
-// What every program begins and ends with: the command line is parsed, errors become one line and an exit status.
+// The common frame of every program: the command line is parsed, errors become one line and an exit status.
 
-/// What a program says of itself.
+/// The description of a program.
 struct Program {
   std::string name;
   std::string description;
   std::string closing_words = {};  ///< at the end of its help
 };
 
-/// Parses, then runs the command that was asked for; returns the exit status. What is wrong is one line on the standard
-/// error that begins with the program's name.
+/// Parses, then runs the requested command; returns the exit status. An error is one line on the standard error that
+/// begins with the program's name.
 [[nodiscard]] int run_program(const Program& program, std::span<const Command> commands, int argc, char** argv);
 
 /// A program that is one command, whose name and description are those of the program.
 [[nodiscard]] int run_program(const Program& program, const Command& command, int argc, char** argv);
 
-// Signals that ask a program to end (Ctrl-C, `kill`, a closed terminal) as a question that the work asks between its
-// steps, so that what is finished is not lost.
+// Signals that ask a program to end (Ctrl-C, `kill`, a closed terminal). The work polls for them between its steps, so
+// that finished results are not lost.
 
-/// From here on SIGINT, SIGTERM and SIGHUP only set the answer of `interrupted`; a second SIGINT kills, as usual. A
-/// signal that is ignored stays so: `nohup` means it.
+/// From here on SIGINT, SIGTERM and SIGHUP only set the answer of `interrupted`; a second SIGINT kills, as usual. An
+/// ignored signal stays ignored: `nohup` relies on that.
 void watch_for_interruption();
 [[nodiscard]] bool interrupted();
 
-/// 128 + the first signal that came, as shells report it; without one that of Ctrl-C.
+/// 128 + the first signal that came, as shells report it; without one, the status for Ctrl-C.
 [[nodiscard]] int status_of_interruption();
 
-// --time-limit: how long a command may work, and what it says where that, or a signal, ended it.
+// --time-limit: how long a command may work, and its messages if the limit, or a signal, ended it.
 
 /// Seconds. Throws Error(input) that begins with `option` unless it is a finite number above 0.
 [[nodiscard]] double parse_time_limit(std::string_view option, const std::string& text);
 
-/// Adds --time-limit, which ends the command as Ctrl-C does; `kept` says what is kept.
+/// Adds --time-limit, which ends the command like Ctrl-C; `kept` describes what is kept.
 void add_time_limit(Options& options, std::optional<double>& seconds, std::string_view kept);
 
 // Work ended early: by a signal if one came, else by the time limit.
@@ -119,16 +119,16 @@ void add_time_limit(Options& options, std::optional<double>& seconds, std::strin
 /// The same behind a word, in brackets; empty unless `ended_early`.
 [[nodiscard]] std::string mark_of_end(bool ended_early);
 
-// What a running command tells its user on the standard error.
+// The messages of a running command on the standard error.
 
-/// A message of the library, which names what it was given as C++ and Python do, `any_side`: with the names of options,
-/// --any-side. Other texts between backticks, such as a command and its options, stay as they are.
+/// A message of the library, which names parameters as in C++ and Python, `any_side`, with the names of options
+/// instead, --any-side. Other texts between backticks, such as a command and its options, stay unchanged.
 [[nodiscard]] std::string as_typed(std::string_view message);
 
-/// One line, as typed.
+/// Prints one line, as typed.
 void tell(std::string_view message);
 
-/// Why another device, or none, did the work; empty: nothing to tell.
+/// The reason why another device, or none, did the work; empty: prints nothing.
 void tell_notice(const std::string& notice);
 
 // A bar with rate and remaining time on a terminal's standard error; nothing at all elsewhere.
@@ -139,8 +139,8 @@ void tell_notice(const std::string& notice);
 /// Redraws one line at most ten times a second; the destructor clears it.
 class ProgressBar {
  public:
-  /// Of `elements`, in the plural, which must be a literal. `wanted` false, or a standard error that is no terminal,
-  /// makes every call do nothing.
+  /// A bar of `elements`, in the plural, which must be a literal. If `wanted` is false, or the standard error is no
+  /// terminal, every call does nothing.
   ProgressBar(bool wanted, std::string_view elements);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

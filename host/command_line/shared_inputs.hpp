@@ -1,4 +1,4 @@
-/// What `verisq` and `verisq-mpi` are both given: parts of maps, ways of implants, models in one unit.
+/// The common inputs of `verisq` and `verisq-mpi`: parts of maps, ways of implants, models in one unit.
 #pragma once
 
 #include <fmt/core.h>
@@ -24,8 +24,8 @@ namespace verisq::command_line {
 
 // Lengths of two models can be compared only in one unit.
 
-/// Of two models, exact ones or uncertain; empty where neither has any. Throws Error(input), naming the file of `b`,
-/// where they differ.
+/// The units of two models, exact or uncertain; empty if neither has any. Throws Error(input), naming the file of `b`,
+/// if they differ.
 template <class AnyModel>
 [[nodiscard]] std::string common_units(const AnyModel& a, const AnyModel& b, const std::string& path_of_a,
                                        const std::string& path_of_b) {
@@ -35,12 +35,12 @@ template <class AnyModel>
   return a.units.empty() ? b.units : a.units;
 }
 
-/// A mesh states no units. Asks on the standard error whether they are those of the model, where one is fifty times as
-/// large as the other: metres and millimetres differ by a thousand.
+/// A mesh states no units. Asks on the standard error whether they are the model's, if one is fifty times as large as
+/// the other: metres and millimetres differ by a thousand.
 void tell_of_other_size(const Model& model, const std::string& path_of_model, std::span<const Point> vertices,
                         const std::string& path_of_mesh);
 
-// What `verisq insert` and `verisq-mpi insert` are both about: an implant, a bone, the way into its seat, a tolerance.
+// The common inputs of `verisq insert` and `verisq-mpi insert`: an implant, a bone, the way into its seat, a tolerance.
 
 /// As typed.
 struct InsertionInputs {
@@ -71,10 +71,10 @@ void refuse_to_overwrite(const std::string& output, const InsertionInputs& input
   return inputs.poses ? read_poses(*inputs.poses) : verisq::path_of(given_way(inputs), turning_centre(implant));
 }
 
-/// What --tol says, or its default.
+/// The value of --tol, or its default.
 [[nodiscard]] double tolerance_of(const InsertionInputs& inputs, const Model& implant);
 
-// A part of a map: the option --part, the rows that it stands for, and what is written beside its file.
+// A part of a map: the option --part, its rows, and the record beside its file.
 
 /// Part `part`, from 1 on, of `parts`.
 struct PartOption {
@@ -91,11 +91,11 @@ void add_part(Options& options, std::optional<PartOption>& part);
 /// The extension of a form that rows of parts have. Throws Error(input) for others, and for the standard output.
 [[nodiscard]] std::string format_of_part(const std::string& output, const std::optional<std::string>& format);
 
-/// Also `.vtp`, of parts that are drawn: points.
+/// The format of a drawn part, of points; it may also be `.vtp`.
 [[nodiscard]] std::string format_of_drawn_part(const std::string& output, const std::optional<std::string>& format);
 
-/// How many elements a stream (see PointStream) delivers; it is read to its end where it does not know, and stands
-/// anywhere then.
+/// The number of elements that a stream (see PointStream) delivers. If the stream does not know it, it is read to its
+/// end, and its position is unspecified afterwards.
 template <class Stream>
 [[nodiscard]] std::uint64_t count_elements(Stream& stream) {
   if (const std::optional<std::uint64_t> count = stream.count()) return *count;
@@ -108,19 +108,19 @@ template <class Stream>
 /// All its numbers, bit for bit: for the settings of a part.
 [[nodiscard]] std::string text_of(const PoseUncertainty& bounds);
 
-/// What stands beside the file of a part. The digests of models and input are found while the map is made.
+/// The record beside the file of a part. The digests of models and input are computed while the map is made.
 class PartRecord {
  public:
-  /// `part` has all but digests, summaries and the version; `models` and `input` are files. Throws Error(input) for
-  /// those that cannot be read again.
+  /// `part` is complete but for digests, summaries and the version; `models` and `input` are files. Throws Error(input)
+  /// for files that cannot be read again.
   PartRecord(MapPart part, const std::vector<std::string>& models, const std::string& input);
 
-  /// When the part's file is finished.
+  /// Writes the record when the part's file is finished.
   void write(const std::string& output, const MapSummary& summary, const std::optional<ClosestPointSummary>& closest);
 
   [[nodiscard]] const RowRange& rows() const { return part_.rows; }
 
-  /// What `--device` stands for: that of the whole map, of which "auto" leaves few rows to the host.
+  /// The device that `--device` stands for: it is the same for the whole map; "auto" leaves few rows to the host.
   [[nodiscard]] std::string device_for(const std::string& requested) const {
     return requested == "auto" && part_.rows_in_all <= few_rows ? "host" : requested;
   }
@@ -131,7 +131,8 @@ class PartRecord {
   std::future<SubjectFile> input_;
 };
 
-/// The elements of a stream that a part has, which it goes to; all without one. As PointStream.
+/// The elements of a stream that belong to a part, to which it moves; all elements without a part. Has the functions of
+/// PointStream.
 template <class Stream>
 class PartStream {
  public:

@@ -16,9 +16,9 @@
 
 namespace verisq::command_line {
 
-// What `verisq stance` prints: for people, or as one JSON object.
+// The output of `verisq stance`: for people, or as one JSON object.
 
-/// What is absent was not asked for.
+/// Absent members were not requested.
 struct StanceSummary {
   std::string file;
   stance::Model model;
@@ -38,12 +38,12 @@ struct StanceSummary {
   std::optional<stance::Equilibrium> equilibrium;
   stance::Scope equilibrium_scope;
   std::string certificate;                             ///< its file
-  std::optional<stance::EquilibriumClaims> certified;  ///< what that proves
+  std::optional<stance::EquilibriumClaims> certified;  ///< the claims that it proves
   stance::JointControl stability_control = stance::JointControl::held;
   std::optional<stance::Stability> stability;
   stance::Scope stability_scope;
   std::optional<stance::Motion> motion;
-  double motion_duration = 0.0;  ///< that was asked for, s
+  double motion_duration = 0.0;  ///< requested duration, s
   stance::Scope motion_scope;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
@@ -57,7 +57,7 @@ struct StanceSummary {
 /// "w1" ... "w6".
 [[nodiscard]] std::string component_name(std::size_t component);
 
-/// What the model allows and a reader should know: dynamic friction above static friction.
+/// Properties that the model may have and a reader should know: dynamic friction above static friction.
 [[nodiscard]] std::vector<std::string> notes(const stance::Model& model);
 
 /// Ends of enclosures are rounded outward to the digits printed.
@@ -71,15 +71,16 @@ struct StanceSummary {
 
 // The page of `verisq stance --report FILE.html`: equilibrium, stability and motion for people to look at.
 
-/// The page's data (report/README.md) as one line of JSON: what --json prints, and the points of the drawn body.
+/// The page's data (report/README.md) as one line of JSON: the output of --json, and the points of the drawn body.
 [[nodiscard]] std::string stance_page_data(const StanceSummary& summary);
 
 /// Throws Error(failure).
 void write_stance_page(const std::string& file, const StanceSummary& summary);
 
-// `verisq stance --certificate-file`: the equilibrium that was found, with what proves it again.
+// `verisq stance --certificate-file`: the found equilibrium with its proof.
 
-/// Of the summary's equilibrium; adds what the file proves to it. Once interrupted it says so instead, and writes none.
+/// Certifies the summary's equilibrium, and adds the claims that the file proves to it. Once interrupted it reports
+/// that instead, and writes no file.
 void certify_equilibrium(const std::string& file, StanceSummary& summary, bool no_progress);
 
 // `verisq stance`: enclosures of wrench, sensitivities and accelerations of a stance model with uncertain parameters.

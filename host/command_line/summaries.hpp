@@ -1,4 +1,4 @@
-/// What summaries are made of: JSON, digits rounded outward, words for the elements of maps.
+/// The parts of summaries: JSON, digits rounded outward, words for the elements of maps.
 #pragma once
 
 #include <concepts>
@@ -14,7 +14,7 @@
 
 namespace verisq {
 
-// The JSON of summaries: values as the commands state them, and their text. What prints it is in json_value.cpp alone.
+// The JSON of summaries: values as the commands state them, and their text. Only json_value.cpp prints it.
 
 struct Pose;  // all of model.hpp would bring its Model beside that of the stance
 }  // namespace verisq
@@ -41,11 +41,11 @@ class JsonValue {
   /// {"translation": [...], "quaternion": [...]}.
   JsonValue(const Pose& pose);
   JsonValue(const Array& values);
-  /// An array of what the container holds.
+  /// An array of the container's elements.
   template <class Container>
   requires requires(const Container& container) { JsonValue(*container.begin()); }
   JsonValue(const Container& values) : JsonValue(Array(values.begin(), values.end())) {}
-  /// Null where there is none.
+  /// Null if there is no value.
   template <class Value>
   JsonValue(const std::optional<Value>& value) : JsonValue(value ? JsonValue(*value) : JsonValue()) {}
 
@@ -92,9 +92,10 @@ class JsonObject : public JsonValue {
   void set(std::string_view name, const JsonValue& value);
 };
 
-// Decimal digits of enclosures, rounded outward: what is printed contains what is proven.
+// Decimal digits of enclosures, rounded outward: the printed interval contains the proven one.
 
-/// "[lo, hi]", so many significant digits each, lo rounded down and hi up; a single number where they hold it.
+/// "[lo, hi]" with so many significant digits each, lo rounded down and hi up; a single number if the digits represent
+/// it.
 [[nodiscard]] std::string outward_digits(const Enclosure& enclosure, int digits = 10);
 
 /// Significant digits of a number that is no larger.
@@ -103,7 +104,7 @@ class JsonObject : public JsonValue {
 /// Significant digits of a number that is no smaller.
 [[nodiscard]] std::string upper_digits(double x, int digits = 10);
 
-// What the summaries and messages call the elements of a map.
+// The names, in summaries and messages, of the elements of a map.
 
 [[nodiscard]] constexpr std::string_view singular(MapElements elements) {
   switch (elements) {

@@ -1,4 +1,4 @@
-/// Values of options as typed: numbers, lengths, words, directions, planes, poses, and what --tol is by default.
+/// Values of options as typed: numbers, lengths, words, directions, planes, poses, and the default of --tol.
 #pragma once
 
 #include <concepts>
@@ -21,7 +21,7 @@ namespace verisq::command_line {
 /// The binary64 number nearest to `text`; nothing unless all of it is one finite number.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text);
 
-// Options whose values are whole numbers: a message with the limits for all that is none.
+// Options whose values are whole numbers: a message with the limits for any other value.
 
 /// Decimal digits, leading zeros allowed. Throws Error(input) that begins with `option` unless `text` is a whole number
 /// of at least `least` and at most `most`.
@@ -40,7 +40,7 @@ template <std::integral Number>
 // Options whose value is a fixed count of numbers: "x,y,z".
 
 /// The binary64 numbers nearest to those between the commas of `text`, as many as `names` ("x,y,z") has. Throws
-/// Error(input) that begins with `option` for another count and for what is not a finite number.
+/// Error(input) that begins with `option` for another count and for texts that are not finite numbers.
 [[nodiscard]] std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::string_view names);
 
 // Options whose value is one of a few words.
@@ -75,7 +75,8 @@ struct NamedNumber {
   double number;
 };
 
-/// NAME=NUMBER. Throws Error(input) that begins with `option` for another form and for what is not a finite number.
+/// NAME=NUMBER. Throws Error(input) that begins with `option` for another form and for a text that is not a finite
+/// number.
 [[nodiscard]] NamedNumber parse_named_number(std::string_view option, const std::string& text);
 
 // Options whose value is a name and two ends: "length_change=-2,1".
@@ -85,8 +86,8 @@ struct NamedRange {
   Enclosure range;
 };
 
-/// NAME=LO,HI. Throws Error(input) that begins with `option` for another form, for what is not a finite number, and
-/// where LO is above HI.
+/// NAME=LO,HI. Throws Error(input) that begins with `option` for another form, for a text that is not a finite number,
+/// and if LO is above HI.
 [[nodiscard]] NamedRange parse_named_range(std::string_view option, const std::string& text);
 
 // Options whose values are lengths in model units: --tol, --point-radius.
@@ -95,7 +96,7 @@ struct NamedRange {
 /// least 0.
 [[nodiscard]] double parse_length(std::string_view option, const std::string& text);
 
-/// As `parse_length`, and not 0.
+/// Like `parse_length`, but not 0.
 [[nodiscard]] double parse_positive_length(std::string_view option, const std::string& text);
 
 // Options whose value is a direction: --along, --up.
@@ -116,25 +117,25 @@ struct NamedRange {
 /// for numbers that are not finite and for a zero quaternion.
 [[nodiscard]] Pose parse_pose(std::string_view option, const std::string& text);
 
-/// What `parse_pose` reads as the same bits.
+/// The text from which `parse_pose` reads the same bits.
 [[nodiscard]] std::string option_text(const Pose& pose);
 
-// What --tol is where none is given: in proportion to the radius of a bounding sphere.
+// The default of --tol: in proportion to the radius of a bounding sphere.
 
-/// What the help writes, and the number that it is.
+/// The text that the help prints, and its number.
 struct RelativeTolerance {
   std::string_view text;
   double value;
 };
 
-/// Of the distances of `map`, `fit` and `distance`.
+/// For the distances of `map`, `fit` and `distance`.
 inline constexpr RelativeTolerance tolerance_of_distances{"1e-6", 1e-6};
-/// Of `path` where models are bent or built by set operations: halving it takes 1.4 times the moments.
+/// For `path`, if models are bent or built by set operations: halving it takes 1.4 times the moments.
 inline constexpr RelativeTolerance tolerance_of_searched_paths{"1e-4", 1e-4};
-/// Of `insert`, whose every distance is searched along a whole way.
+/// For `insert`, whose every distance is searched along a whole way.
 inline constexpr RelativeTolerance tolerance_along_ways{"1e-3", 1e-3};
 
-/// Throws Error(input) that asks for a --tol where the radius is too large for a finite one. `owner`: what has this
+/// Throws Error(input) that asks for a --tol if the radius is too large for a finite one. `owner` is the owner of the
 /// radius, "the model".
 [[nodiscard]] double default_tolerance(const RelativeTolerance& relative, double radius, std::string_view owner);
 

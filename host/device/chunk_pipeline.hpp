@@ -38,31 +38,31 @@ class Batch {
   /// Precondition: at most `capacity()` queries of finite numbers; fewer than two chunks in flight.
   virtual void submit(std::span<const Query> queries) = 0;
 
-  /// Fills `enclosures` with those of the oldest chunk in flight, in the order of its queries; an end is infinite where
-  /// nothing was proven; `certificates` too, where they were asked for. Precondition: a chunk is in flight.
+  /// Fills `enclosures` with those of the oldest chunk in flight, in the order of its queries; an end is infinite if
+  /// nothing was proven. Fills `certificates`, too, if they were requested. Precondition: a chunk is in flight.
   virtual void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) = 0;
 
-  /// Waits for whatever is in flight and drops it.
+  /// Waits for all chunks in flight and drops them.
   virtual void discard() = 0;
 
-  /// The time during which kernels of the chunks collected ran; what two of them share counts once.
+  /// The time during which kernels of the collected chunks ran; time shared by two of them counts once.
   [[nodiscard]] virtual double device_seconds() const = 0;
 };
 
-// What chunks of all kinds of queries have in common on their way through a device.
+// The common part of all kinds of queries' chunks on their way through a device.
 
 /// The base of the slots of a ChunkPipeline: a queue of its own, so that its transfers overlap with the other slot's
 /// kernels; queries in whole vectors; their enclosures.
 class ChunkSlot {
  public:
-  /// Waits for the chunk; returns when kernels ran.
+  /// Waits for the chunk; returns the times when kernels ran.
   std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
     std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
     return times;
   }
 
-  /// Nothing: slots with certificates hide it.
+  /// Does nothing: slots with certificates hide it.
   void certify(std::span<const Enclosure> /*enclosures*/, std::vector<Certificate>& /*certificates*/) const {}
 
  protected:
@@ -108,12 +108,12 @@ auto reporting_failures(const std::string& device, const Work& work) {
   }
 }
 
-/// A Slot holds the buffers of one chunk: start(queries), finish(enclosures) -> when kernels ran, and
+/// A Slot has the buffers of one chunk: start(queries), finish(enclosures) -> the times when kernels ran, and
 /// certify(enclosures, certificates).
 template <class Query, class Slot>
 class ChunkPipeline final : public Batch<Query> {
  public:
-  /// `capacity` is that of each of the slots; `device` names it in errors.
+  /// `capacity` is that of each slot; `device` names the device in errors.
   ChunkPipeline(std::string device, std::size_t capacity, std::vector<Slot> slots)
       : device_(std::move(device)), pace_(capacity), slots_(std::move(slots)) {}
 
@@ -125,7 +125,7 @@ class ChunkPipeline final : public Batch<Query> {
     busy_ = {};
   }
 
-  /// What a chunk is to hold now; it follows the time that chunks take.
+  /// The present capacity of a chunk; it follows the time that chunks take.
   [[nodiscard]] std::size_t capacity() const override { return pace_.size(); }
   [[nodiscard]] double device_seconds() const override { return busy_.seconds(); }
 

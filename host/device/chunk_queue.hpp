@@ -15,24 +15,24 @@
 
 namespace verisq::device {
 
-// How much a device is given at a time, and how long it was busy.
+// The amount of work given to a device at a time, and the time during which it was busy.
 
-// How long a device was busy with kernels that may overlap.
+// The time during which a device was busy with kernels that may overlap.
 
-/// When a kernel ran, in nanoseconds of the device's clock.
+/// The time when a kernel ran, in nanoseconds of the device's clock.
 struct Running {
   std::uint64_t start, end;
 };
 
-/// How long kernels that ran one after the other took.
+/// The total time of kernels that ran one after the other.
 [[nodiscard]] double seconds_of(std::span<const Running> kernels);
 
-/// The time during which at least one kernel ran: queues of one device work at the same time, and moments that they
-/// share count once. Never more than the time by the clock.
+/// The time during which at least one kernel ran. Queues of one device work at the same time, and time that they share
+/// counts once. Never more than the time by the clock.
 class BusyTime {
  public:
-  /// The kernels of one more chunk, in any order. Precondition: they started after all of the chunk before the last one
-  /// had ended, as with two chunks in flight; memory stays bounded.
+  /// Adds the kernels of one more chunk, in any order. Precondition: they started after all kernels of the chunk before
+  /// the last one had ended, as with two chunks in flight. So memory stays bounded.
   void add(std::span<const Running> chunk);
 
   [[nodiscard]] double seconds() const;
@@ -43,20 +43,20 @@ class BusyTime {
   std::uint64_t last_end_ = 0;  // of the last chunk
 };
 
-// How much a device is given at a time: no more than it does within a tenth of a second.
+// The amount of work given to a device at a time: no more than it does within a tenth of a second.
 
-/// A graphics processor cannot be interrupted, and one that drives a display is reset when a launch takes seconds; the
-/// fastest and the slowest are a thousand times apart. So it begins with little and is given more while that is done
+/// A graphics processor cannot be interrupted, and one that drives a display is reset when a launch takes seconds. The
+/// fastest and the slowest are a thousand times apart. So work begins with little and grows as long as chunks finish
 /// soon. Sizes are whole vectors of queries, and so many that a device has work for all its processors.
 class LaunchPace {
  public:
-  /// `largest`: what the buffers hold.
+  /// `largest` is the capacity of the buffers.
   explicit LaunchPace(std::size_t largest, std::size_t first = usual_first)
       : largest_(largest), size_(std::min(largest, first)) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// To be called with how long the kernels of each chunk ran.
+  /// Must be called with the time that the kernels of each chunk ran.
   void took(std::size_t queries, double seconds) {
     if (seconds > longest_seconds) size_ = std::min(size_, std::max(whole(queries / 2), std::min(largest_, smallest)));
     if (seconds < shortest_seconds && queries >= size_) size_ = std::min(2 * size_, largest_);
@@ -76,8 +76,8 @@ class LaunchPace {
 
 // One chunk's way through a device: uploads, kernels, downloads, in order, beside those of other chunks.
 
-/// Work-items of a work-group: what every kernel is launched with unless it says otherwise. On graphics processors a
-/// multiple of what executes together: 64 work-items on AMD's, 32 on others.
+/// Work-items of a work-group: every kernel's group size unless it states another. On graphics processors it is a
+/// multiple of the number that executes together: 64 work-items on AMD's, 32 on others.
 [[nodiscard]] inline std::size_t usual_group_size(const Device& device) {
   return device.vector_width > 1 ? 32 : 64;
 }
@@ -90,10 +90,10 @@ class Scale {
   [[nodiscard]] double factor() const { return factor_; }    ///< 2^scale
   [[nodiscard]] double inverse() const { return inverse_; }  ///< 2^-scale
   [[nodiscard]] double to_device(double x) const { return x * factor_; }
-  [[nodiscard]] double to_model(double x) const { return x / factor_; }  ///< for what proves nothing
+  [[nodiscard]] double to_model(double x) const { return x / factor_; }  ///< for numbers that prove nothing
   /// Rounded outward where it underflows or overflows.
   [[nodiscard]] Enclosure to_model(const Enclosure& e) const;
-  /// Likewise, all of them: by one multiplication an end wherever that is exact, as it is but for extremes.
+  /// Converts all of them: by one multiplication for each end if that is exact, as it is but for extremes.
   void to_model(std::span<const double> los, std::span<const double> his, std::span<Enclosure> enclosures) const;
 
  private:
@@ -115,10 +115,10 @@ class ChunkQueue {
   void read_bytes(const cl::Buffer& buffer, std::span<std::byte> bytes);
   /// Fills the first `bytes` of the buffer with zeros.
   void clear(const cl::Buffer& buffer, std::size_t bytes);
-  /// What kernels write into a buffer of so many `bytes` of the host's memory (CL_MEM_USE_HOST_PTR) is there after
-  /// `finish`.
+  /// After `finish`, the host's memory contains everything that kernels wrote into a buffer of `bytes` bytes there
+  /// (CL_MEM_USE_HOST_PTR).
   void show(const cl::Buffer& buffer, std::size_t bytes);
-  /// Enough work-groups of `local`, or of the usual size, for `work_items`.
+  /// Launches enough work-groups of `local`, or of the usual size, for `work_items`.
   void launch(const NamedKernel& kernel, std::size_t work_items, std::size_t local);
   void launch(const NamedKernel& kernel, std::size_t work_items) { launch(kernel, work_items, usual_group_size_); }
   void flush() { queue_.flush(); }

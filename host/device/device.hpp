@@ -31,20 +31,19 @@ class RefusedDevice : public Error {
   RefusedDevice(const std::string& name, const std::string& failure);
 };
 
-/// The device that `request` asks for ("auto", an index or a part of a name; see `test_devices`), or nothing when
-/// "auto" finds none that passes; `notice` then says why. Throws Error(input) when a request matches no device, or one
-/// that failed its self-test.
+/// The requested device ("auto", an index or a part of a name; see `test_devices`). Nothing if "auto" finds none that
+/// passes; `notice` then gives the reason. Throws Error(input) if a request matches no device, or one that failed its
+/// self-test.
 struct Selection {
   std::optional<Device> device;
   std::string notice;
 };
 [[nodiscard]] Selection select_device(std::string_view request);
 
-/// Likewise, but no device, and the notice says so, once `ended` is true: the kernels of a self-test compile for
-/// seconds.
+/// The same, but no device, with a notice, once `ended` returns true: the kernels of a self-test compile for seconds.
 [[nodiscard]] Selection select_device(std::string_view request, const std::function<bool()>& ended);
 
-/// Adds the refusal to the notice; the host steps in. Throws Error(input) where `request` named the device.
+/// Adds the refusal to the notice; the host steps in. Throws Error(input) if `request` named the device.
 void note_refusal(std::string& notice, std::string_view request, const RefusedDevice& refused);
 /// Adds that the work ended before the kernels were compiled.
 void note_early_end(std::string& notice);
@@ -68,8 +67,9 @@ template <class Make>
   return nullptr;
 }
 
-/// What asks for one device each, of a request for several, indices or parts of names with commas between: at least
-/// one. Names may have commas, too. Throws Error(input) where one asks for no device, or for one that another asks for.
+/// The requests for one device each, from a request for several: indices or parts of names with commas between, at
+/// least one. Names may contain commas, too. Throws Error(input) if one of them requests no device, or a device that
+/// another one requests.
 [[nodiscard]] std::vector<std::string> requests_in(std::string_view request);
 
 }  // namespace verisq::device

@@ -1,4 +1,4 @@
-/// How kernels reach what lies in the host's memory: points wherever their coordinates are, rows wherever they go.
+/// The access of kernels to the host's memory: points wherever their coordinates are, rows wherever they go.
 #pragma once
 
 #include <array>
@@ -46,9 +46,9 @@ class HostMemory {
 /// The memory itself: of a device that computes in it, where nothing is copied.
 [[nodiscard]] std::unique_ptr<HostMemory> shared_memory(const Device& device);
 
-/// Buffers of the device and copies, of chunks of at most `capacity` points. They pass through memory of the host that
-/// the device copies from and to by itself, at the speed of its bus and beside its kernels: drivers copy from other
-/// memory four times slower (measured on an H100, PCIe 5: 53 and 14 GB/s), and wait meanwhile.
+/// Buffers of the device and copies, for chunks of at most `capacity` points. They pass through memory of the host that
+/// the device itself copies from and to, at the speed of its bus and beside its kernels. Drivers copy from other memory
+/// four times slower (measured on an H100, PCIe 5: 53 and 14 GB/s), and wait meanwhile.
 [[nodiscard]] std::unique_ptr<HostMemory> copied_memory(const Device& device, ChunkQueue& queue, std::size_t capacity);
 
 }  // namespace verisq::device

@@ -8,7 +8,7 @@ namespace verisq::device {
 /// Why there is no OpenCL library, in the loader's words; empty when there is one. Opens it.
 [[nodiscard]] std::string missing_opencl_library();
 
-/// From here on `hook` is called before each OpenCL context is made. Drivers have taken signals for themselves by then.
+/// From here on `hook` is called before each OpenCL context is made. By then drivers have taken signals for themselves.
 void before_each_context(void (*hook)());
 
 }  // namespace verisq::device

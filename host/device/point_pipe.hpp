@@ -21,34 +21,34 @@ namespace verisq::device {
 
 // Kernels that turn a chunk's points into rows: at once, or step by step.
 
-// What a device sums up of rows: the books of a summary.
+// A device's sums over rows: the accounting of a summary.
 
-/// As kernels/row_verdict.clh declares it. Rows that are open are in no other sum; `open_inside` are those of
-/// them that are not proven outside.
+/// Declared as in kernels/row_verdict.clh. Open rows are in no other sum; `open_inside` counts those of them that are
+/// not proven outside.
 struct RowSums {
   double minimum_lo, minimum_hi, largest_width;
   std::uint32_t verified, wide, wide_inside, open, open_inside;
 };
 static_assert(sizeof(RowSums) == 48);
 
-/// What is asked of a row, in model units: at most `tolerance` wide, or with a tolerance of 0 as tight as the methods
-/// get, which is `inside` where its lower end is below 0, else `outside` times the larger of `radius` and the point's
-/// largest coordinate. As tight as that, but wider than the tolerance: wide for good. All others are open.
+/// The requirement on a row, in model units: at most `tolerance` wide. With a tolerance of 0: as tight as the methods
+/// get. That is `inside` if its lower end is below 0, else `outside` times the larger of `radius` and the point's
+/// largest coordinate. A row as tight as that, but wider than the tolerance, is wide for good. All others are open.
 struct RowCriterion {
   double tolerance, inside, outside, radius;
 };
 
-// What every kernel that turns a chunk's points into rows is told and tells.
+// The inputs and outputs of every kernel that turns a chunk's points into rows.
 
-/// Of one work-group, which a look at open rows costs the host at most.
+/// Rows of one work-group, the largest number that the host must read to look at open rows.
 inline constexpr std::size_t rows_of_block = 1024;
 
 [[nodiscard]] constexpr std::size_t blocks_of(std::size_t size) {
   return (size + rows_of_block - 1) / rows_of_block;
 }
 
-/// How such kernels divide a chunk among work-items: a vector's device takes a block by one of them, a graphics
-/// processor by a group of neighbours.
+/// The division of a chunk among work-items: on a vector's device one of them takes a block, on a graphics processor a
+/// group of neighbours does.
 struct RowGroups {
   explicit RowGroups(const Device& device)
       : width(static_cast<std::size_t>(device.vector_width)), group_size(width > 1 ? 1 : scalar_group_size) {}
@@ -62,7 +62,7 @@ struct RowGroups {
   [[nodiscard]] std::size_t vectors_of(std::size_t size) const { return (size + width - 1) / width; }
 };
 
-/// Sums of a chunk's blocks, and whether a coordinate was refused: in the device's memory and in the host's.
+/// Sums of a chunk's blocks, and a flag for a refused coordinate: in the device's memory and in the host's.
 class RowTotals {
  public:
   RowTotals(const Device& device, ChunkQueue& queue, std::size_t capacity);
@@ -74,7 +74,7 @@ class RowTotals {
   /// Precondition: fetched, and the queue has finished.
   [[nodiscard]] const std::vector<RowSums>& of_blocks() const { return of_blocks_; }
   [[nodiscard]] bool refused() const { return is_refused_ != 0; }
-  /// So that the next chunk can be told of. Precondition: the queue has finished.
+  /// Resets the flag for the next chunk. Precondition: the queue has finished.
   void forget_refusal(ChunkQueue& queue);
 
  private:
@@ -121,10 +121,10 @@ class RowsInSteps {
   RowsInSteps(const Device& device, const PointPrograms& programs, const DeviceModel& model, ChunkQueue& queue,
               const RowCriterion& criterion, const RowTotals& totals);
 
-  /// `searched`: depths, too; otherwise those of points inside are unknown, which their rows say. Preconditions: `size`
-  /// points, as many as the chunk that is bound.
+  /// `searched`: with depths, too; otherwise the distances of points inside are unknown, which their rows state.
+  /// Preconditions: `size` points, as many as the bound chunk has.
   void enqueue(ChunkQueue& queue, const BoundChunk& chunk, std::size_t size, bool searched);
-  /// After the former without depths, and while the chunk is bound: all of it again with them.
+  /// After the former without depths, and while the chunk is bound: processes all of it again with them.
   void enqueue_depths(ChunkQueue& queue, std::size_t size);
 
  private:
@@ -151,14 +151,14 @@ struct RowBlock {
   RowSums sums;
 };
 
-/// What is known of a chunk without a look at its rows.
+/// The known results of a chunk without a look at its rows.
 struct ChunkOutcome {
-  bool refused;                      ///< a coordinate is not finite: the rows mean nothing
+  bool refused;                      ///< a coordinate is not finite: the rows are meaningless
   std::span<const RowBlock> blocks;  ///< in order, until the next call
 };
 
-/// As Batch, but for how many chunks may be in flight: all calls from one thread; they throw Error(failure) with the
-/// name of a failed OpenCL call.
+/// Like Batch, but with another number of chunks in flight. All calls must come from one thread; they throw
+/// Error(failure) with the name of a failed OpenCL call.
 class PointPipe {
  public:
   PointPipe() = default;
@@ -170,25 +170,24 @@ class PointPipe {
   [[nodiscard]] virtual std::size_t capacity() const = 0;
   [[nodiscard]] virtual std::size_t largest_chunk() const { return capacity(); }
 
-  /// Chunks that may be in flight: enough to keep all of it busy.
+  /// The number of chunks that may be in flight: enough to keep the whole device busy.
   [[nodiscard]] virtual std::size_t depth() const { return 2; }
 
   /// Precondition: at most `capacity()` points, at least one, and as many rows; both stay until the chunk is collected;
   /// fewer than `depth()` chunks in flight.
   virtual void submit(const PointColumns& points, const ResultColumns& rows) = 0;
 
-  /// Waits for the oldest chunk in flight: its rows are written, those that are open as wide. Precondition: a chunk is
-  /// in flight.
+  /// Waits for the oldest chunk in flight: its rows are written, open ones as wide. Precondition: a chunk is in flight.
   virtual ChunkOutcome collect() = 0;
 
-  /// Waits for whatever is in flight.
+  /// Waits for all chunks in flight.
   virtual void discard() = 0;
 
-  /// As that of Batch.
+  /// Like `device_seconds` of Batch.
   [[nodiscard]] virtual double device_seconds() const = 0;
 };
 
-/// How the host's memory is reached: directly by devices that compute in it, or always by copies.
+/// The access to the host's memory: direct for devices that compute in it, or always by copies.
 enum class MemoryAccess { of_device, by_copies };
 
 /// Precondition: `model` is a union of convex primitives within_device_range.
@@ -196,10 +195,10 @@ enum class MemoryAccess { of_device, by_copies };
                                                     const RowCriterion& criterion,
                                                     MemoryAccess access = MemoryAccess::of_device);
 
-// The pipes of several devices as one: they take chunks in turn, as many points of them as each is fast.
+// The pipes of several devices as one: they take chunks in turn, with sizes in proportion to their speeds.
 
-/// Rows are those of the device that its chunk fell to: where devices are alike, those of one. Precondition: at least
-/// one pipe.
+/// Rows are those of the device that got their chunk; if devices are alike, they equal those of one device.
+/// Precondition: at least one pipe.
 [[nodiscard]] std::unique_ptr<PointPipe> several_pipes(std::vector<std::unique_ptr<PointPipe>> pipes);
 
 }  // namespace verisq::device

@@ -1,4 +1,4 @@
-/// What a kernel is told about one primitive, bent or not.
+/// The parameters of one primitive, bent or not, for kernels.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace verisq::device {
 
-// Numbers of many digits on their way to binary64: what the constants of kernels are computed in.
+// Numbers of many digits on their way to binary64: the constants of kernels are computed with them.
 
 using Extended =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
@@ -26,10 +26,10 @@ using Extended =
 
 // The rotation matrix of a quaternion, for kernels that know how far it may be off.
 
-/// Of q/|q|, row by row; each entry within 2^-53 of the exact one. Precondition: finite, not zero.
+/// The rotation by q/|q|, row by row; each entry within 2^-53 of the exact one. Precondition: finite, not zero.
 [[nodiscard]] std::array<double, 9> rotation_matrix(const std::array<double, 4>& quaternion);
 
-// What a kernel is told about one primitive: the counterpart of `superquadric` in kernels/superquadric.clh.
+// A primitive's parameters for kernels: the counterpart of `superquadric` in kernels/superquadric.clh.
 
 /// Same members, same order as in the kernels. Names ending in _down or _up bound the exact real numbers; the others
 /// are the nearest and serve proposals only, except the semi-axes, which are exact.
@@ -67,7 +67,7 @@ struct PrimitiveParameters {
 /// The scale for a model: its largest semi-axis comes to lie in [1, 2).
 [[nodiscard]] int scale_exponent(const Model& model);
 
-// What a kernel is told about one primitive, bent or not: the counterpart of `box_primitive` in kernels/box_map.clh.
+// A primitive's parameters for kernels, bent or not: the counterpart of `box_primitive` in kernels/box_map.clh.
 
 /// Same members, same order as in the kernels. Names ending in _down or _up bound the exact real numbers, the curvature
 /// is exact, the others are the nearest. A negative curvature is a positive one the other way round.
@@ -86,7 +86,7 @@ struct BoxPrimitiveParameters {
   double turn_share;
 };
 
-/// In a frame whose unit is 2^-scale_exponent model units. Precondition: within_device_range.
+/// The parameters in a frame whose unit is 2^-scale_exponent model units. Precondition: within_device_range.
 [[nodiscard]] BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int scale_exponent);
 
 }  // namespace verisq::device

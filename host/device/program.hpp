@@ -29,23 +29,23 @@ struct LoadedProgram {
 [[nodiscard]] LoadedProgram load_program(const cl::Context& context, const cl::Device& device, int vector_width,
                                          std::string_view sources, const std::string& extra_options = {});
 
-/// Likewise, without the binary. The process keeps the programs that it compiled last: a second call with the same
-/// context returns the same program. Where the driver keeps binaries of its own no other is made: PoCL would compile
-/// every kernel for groups of any size, which takes as long again as the compilation for those that are used.
+/// The same without the binary. The process keeps the programs that it compiled last: a second call with the same
+/// context returns the same program. If the driver keeps binaries of its own, no other is made. PoCL would compile
+/// every kernel for groups of any size, which takes as long again as the compilation for the used sizes.
 [[nodiscard]] cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
                                         std::string_view sources, const std::string& extra_options = {});
 
-/// Identifies all that a program's results depend on beside the driver: its sources and options where the driver
-/// keeps binaries of its own, else its binary's size and checksum; empty where there is none.
+/// Identifies everything that a program's results depend on beside the driver. This is its sources and options if the
+/// driver keeps binaries of its own, else its binary's size and checksum; empty if there is none.
 [[nodiscard]] std::string program_identity(const cl::Device& device, const cl::Program& program);
 
-// A kernel whose arguments are set by the names that its source gives them.
+// A kernel whose arguments are set by their names in its source.
 
 /// Positions would go wrong in silence when a parameter is added; names and types that the source does not have throw
 /// Error(failure). Like OpenCL's kernels it does not keep the buffers that it is given.
 class NamedKernel {
  public:
-  /// `source`: the text that `program` was compiled from, or the part of it that declares `kernel void NAME(...)`.
+  /// `source` is the text from which `program` was compiled, or the part of it that declares `kernel void NAME(...)`.
   NamedKernel(const cl::Program& program, std::string_view source, const std::string& name);
 
   void set(std::string_view argument, const cl::Buffer& buffer);
@@ -85,7 +85,7 @@ inline constexpr std::array<std::string_view, 3> coordinate_arguments{"xs", "ys"
 inline constexpr std::array<std::string_view, 2> enclosure_arguments{"los", "his"};
 inline constexpr std::array<std::string_view, 2> union_arguments{"union_los", "union_his"};
 
-/// Of EvidenceBuffers.
+/// The arguments of EvidenceBuffers.
 inline constexpr std::array<std::string_view, 5> evidence_arguments{"los", "his", "normal_xs", "normal_ys",
                                                                     "normal_zs"};
 

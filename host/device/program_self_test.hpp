@@ -52,41 +52,43 @@ namespace verisq::device {
 /// is none. `program` is of triangles, compiled for the device's vector width.
 [[nodiscard]] std::string first_fault_of_triangles(const Device& device, const cl::Program& program);
 
-/// Likewise of the distances of two unions at sampled poses; `program` is of pairs, `of_host` pose_distances_by_host.
+/// The first fault of the distances of two unions at sampled poses; `program` is for pairs, `of_host` is
+/// pose_distances_by_host.
 [[nodiscard]] std::string first_fault_of_poses(const Device& device, const cl::Program& program,
                                                PoseDistances& of_host);
 
-// The kernels of points about convex primitives on samples, launched as a map launches them.
+// The kernels of points about convex primitives, on samples, launched like those of a map.
 
-/// The first fault in the rows, or in the sums of their verdicts, that `programs` make of sampled points in steps,
-/// depths included; empty where there is none. With a tapered program of tapered solids alone.
-/// Preconditions: compiled for the device's vector width.
+/// The first fault in the rows, or in the sums of their verdicts, that `programs` compute for sampled points in steps,
+/// depths included; empty if there is none. With a tapered program only tapered solids are sampled. Preconditions:
+/// compiled for the device's vector width.
 [[nodiscard]] std::string first_fault_in_steps(const Device& device, const PointPrograms& programs);
 
-/// Likewise of those that the kernel point_map makes at once. `program` is of `tapered` solids, or of others.
+/// The first fault of the rows that the kernel point_map computes at once. `program` is for `tapered` solids, or for
+/// others.
 [[nodiscard]] std::string first_fault_at_once(const Device& device, const cl::Program& program, bool tapered);
 
-// The kernels of a model with bends or set operations on samples, in the batch that maps send points through.
+// The kernels of a model with bends or set operations, on samples, in the batch through which maps send points.
 
 /// The first fault in the enclosures of sampled points' signed distances to `model`, whose own programs these are;
 /// empty where there is none.
 [[nodiscard]] std::string first_fault_of_solid(const Device& device, const SolidPrograms& programs, const Model& model);
 
-/// Which samples those are: models of one program may differ in whether primitives are bent or tapered.
+/// Identifies the samples: models of one program may differ in whether primitives are bent or tapered.
 [[nodiscard]] std::string samples_of_solid(const Model& model);
 
 // Compares the kernels of a program with the host on samples, once per program and device.
 
-/// Returns if `first_fault`, which tries the kernels of `program` on samples, says nothing; otherwise throws
-/// RefusedDevice with what it says. The outcome is kept in the cache, by the device, its driver, the program and
-/// `samples`, which says which kernels are tried on what: where it is known there already, nothing is tried.
+/// Returns if `first_fault`, which tries the kernels of `program` on samples, returns an empty text; otherwise throws
+/// RefusedDevice with its text. The cache keeps the outcome by the device, its driver, the program and `samples`, which
+/// identifies the tried kernels and samples. If the outcome is known there already, nothing is tried.
 void require_sound(const Device& device, const cl::Program& program, std::string_view samples,
                    const std::function<std::string()>& first_fault);
 
-/// The first of the device's enclosures that has nothing in common with the host's of the same query, or that there
-/// are too few narrow ones to call the kernels working; empty where all is well. Both enclose one number: without a
-/// common one the device's is false, for the host's is proven.
-/// `wanted` of the enclosures must be at most `narrow` wide.
+/// The first of the device's enclosures that has nothing in common with the host's of the same query, or a message that
+/// too few are narrow to call the kernels working. Empty if neither is found. Both enclose one number: without a common
+/// number the device's is false, because the host's is proven. `wanted` of the enclosures must be at most `narrow`
+/// wide.
 [[nodiscard]] std::string contradiction(std::span<const Enclosure> of_device, std::span<const Enclosure> of_host,
                                         double narrow, std::size_t wanted);
 

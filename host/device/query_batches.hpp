@@ -21,9 +21,10 @@ namespace verisq::device {
 
 // Points in, enclosures of their signed distances to a union of convex primitives, and their certificates, out.
 
-// What kernels make of a chunk of points in columns: enclosures of its distances to a union of convex primitives.
+// The results of kernels for a chunk of points in columns: enclosures of their distances to a union of convex
+// primitives.
 
-/// The kernels of single primitives and that of their union, with the buffers of one chunk.
+/// The kernels of single primitives and the kernel of their union, with the buffers of one chunk.
 class PointKernels {
  public:
   /// `programs` are `point_programs`; `tolerance` in the device's numbers.
@@ -34,16 +35,16 @@ class PointKernels {
   [[nodiscard]] const std::array<cl::Buffer, 3>& coordinates() const { return points_.coordinates; }
   /// Lower and upper ends, likewise.
   [[nodiscard]] const std::array<cl::Buffer, 2>& ends() const { return ends_; }
-  /// What is found for each primitive, and a point outside of all of them for each point: not of a single primitive.
+  /// The evidence for each primitive, and for each point a point outside of all primitives; not for a single primitive.
   [[nodiscard]] const std::vector<EvidenceBuffers>& evidence() const { return views_; }
   [[nodiscard]] const std::array<cl::Buffer, 3>& escapes() const { return escapes_; }
 
-  /// For the first `groups` vectors of points.
+  /// Enqueues the distances of the first `groups` vectors of points.
   void enqueue(ChunkQueue& queue, std::size_t groups);
-  /// Likewise, and final where a lower end is above 0, or an enclosure not wider than the tolerance. Others are
-  /// valid: upper ends are those of any point inside.
+  /// The same; a result is final if its lower end is above 0, or if it is not wider than the tolerance. Others are
+  /// valid: their upper ends are trivial for points inside.
   void enqueue_outside(ChunkQueue& queue, std::size_t groups);
-  /// After that: all of the others, too.
+  /// After that: completes the other results, too.
   void enqueue_inside(ChunkQueue& queue, std::size_t groups);
 
  private:
@@ -64,34 +65,34 @@ class PointKernels {
   std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
 };
 
-// Turns what the kernels found about a point into the certificate of its enclosure.
+// Turns the kernels' results for a point into the certificate of its enclosure.
 
 /// In model units. Nothing here needs to be true: certificates are proposals until they are checked.
 struct Evidence {
   struct OfPrimitive {
-    double hi;     ///< upper end for this primitive alone; infinite where it was passed over
-    Point normal;  ///< of the lower end, of any length
+    double hi;     ///< upper end for this primitive alone; infinite if the primitive was skipped
+    Point normal;  ///< normal of the lower end, of any length
   };
   std::vector<OfPrimitive> primitives;
   Point escape;  ///< meaningful where the union's lower end is finite and not positive
 };
 
-/// Of each primitive, the same about a triangle, and where on it the upper end's point lies.
+/// For each primitive the same about a triangle, and the weights of the upper end's point on it.
 struct TriangleEvidenceOfPrimitive {
   Evidence::OfPrimitive bounds;
   std::array<double, 2> weights;
 };
 using TriangleEvidence = std::vector<TriangleEvidenceOfPrimitive>;
 
-/// With every normal that a kernel found: a primitive without one is far by its bounding sphere.
+/// Contains every normal that a kernel found: a primitive without one is far by its bounding sphere.
 [[nodiscard]] Certificate certificate_of(const TriangleEvidence& evidence);
 
 class CertificateAssembly {
  public:
   explicit CertificateAssembly(const Model& model);
 
-  /// As few normals as prove the enclosure: outside, those of the primitives whose bounding sphere is too near; inside,
-  /// that of the primitive that decides the upper end.
+  /// Contains as few normals as prove the enclosure. Outside these are the normals of the primitives whose bounding
+  /// sphere is too near; inside, the normal of the primitive that decides the upper end.
   [[nodiscard]] Certificate operator()(const Point& point, const Enclosure& distance, const Evidence& evidence) const;
 
  private:
@@ -111,8 +112,8 @@ class CertificateAssembly {
 [[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
                                                         bool certificates);
 
-/// With kernels of one's own, for tests. Precondition: compiled for the memory that the device's models of this size
-/// lie in, and for the device's vector width.
+/// With given kernels, for tests. Precondition: compiled for the memory in which the device's models of this size lie,
+/// and for the device's vector width.
 [[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const cl::Program& program,
                                                         const Model& model, double tolerance, bool certificates);
 
@@ -123,7 +124,7 @@ class CertificateAssembly {
 [[nodiscard]] std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Model& model,
                                                               bool certificates);
 
-/// With kernels that are not tried before. Precondition: compiled for the device's vector width.
+/// With kernels that are not tested before. Precondition: compiled for the device's vector width.
 [[nodiscard]] std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const cl::Program& program,
                                                               const Model& model, bool certificates);
 
@@ -137,7 +138,7 @@ using PoseDistances = std::vector<Enclosure>(const Model& a, const Model& b, std
 [[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b,
                                                       PoseDistances& of_host);
 
-/// With kernels that are not tried before. Precondition: compiled for the device's vector width.
+/// With kernels that are not tested before. Precondition: compiled for the device's vector width.
 [[nodiscard]] std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const cl::Program& program, const Model& a,
                                                       const Model& b);
 

@@ -62,7 +62,7 @@ void describe(const auto& archive, Of<stance::EquilibriumPart> auto& part) {
   archive.require(!part.postures.empty() || !archive.has("postures"), "postures", "must not be empty");
 }
 
-/// They are one tree in preorder.
+/// Requires that the parts are one tree in preorder.
 void require_tree(const auto& archive, const std::vector<stance::EquilibriumPart>& parts, std::size_t parameters) {
   const auto is_parameter = [&](std::size_t i) { return !parts[i].halved || *parts[i].halved < parameters; };
   archive.each("parts", ".halved", parts, is_parameter, "must be the index of an uncertain parameter");

@@ -26,12 +26,12 @@
 #include "host/files/json_document.hpp"
 #include "host/files/map_layout.hpp"
 
-// A description is a function `describe(archive, value)`. It calls one member of the archive that says what the value
-// is in JSON, `object` for instance, and then `require` and `each` for what a reader refuses. An archive that reads
-// fills the value; one that writes takes it const. The order of the fields is that of the file.
+// A description is a function `describe(archive, value)`. It calls one member of the archive that states the value's
+// form in JSON, such as `object`, and then `require` and `each` for the conditions that a reader checks. A reading
+// archive fills the value; a writing one takes it const. The order of the fields is that of the file.
 namespace verisq::certificates {
 
-/// A `Value`; it is const where it is written.
+/// A `Value`; const if it is written.
 template <class Type, class Value>
 concept Of = std::same_as<std::remove_const_t<Type>, Value>;
 
@@ -93,7 +93,7 @@ template <class Value>
 struct Lines {
   const char* key;
   Value& value;
-  const char* fewer;  ///< what to give fewer of where the file would be too large
+  const char* fewer;  ///< what to reduce if the file would be too large
 };
 
 template <class Value>
@@ -200,7 +200,7 @@ class ReadingArchive {
     value = found->second;
   }
 
-  /// A text of one letter each: those of the enumerators, in their order.
+  /// A text of one letter for each element: the letters of the enumerators, in their order.
   template <class Letter>
   void letters(std::vector<Letter>& all, std::string_view alphabet, std::string_view otherwise) const {
     const std::string text = value_.text();
@@ -268,9 +268,9 @@ using OrderedJson = nlohmann::ordered_json;
   return document.dump(indentation, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-/// A document that is being written. Its lists of lines are text at once: none is a document in memory beside it.
+/// A document that is being written. Its lists of lines become text at once: none is a document in memory besides.
 struct Document {
-  std::string name;  ///< of its file, for messages
+  std::string name;  ///< name of its file, for messages
   OrderedJson head = {};
   std::string lines = {};  ///< the head, too, where there are lists of lines; all but the last brace
 };
@@ -374,7 +374,7 @@ class WritingArchive {
 
 // Questions that `each` asks of elements.
 
-/// That none is as one before, by what `of` tells of them.
+/// The condition that no element equals an earlier one, by the result of `of`.
 template <class List, class Tell = std::identity>
 [[nodiscard]] auto distinct(const List& list, Tell of = {}) {
   using Told = std::remove_cvref_t<std::invoke_result_t<Tell, const typename List::value_type&>>;
@@ -383,7 +383,7 @@ template <class List, class Tell = std::identity>
   };
 }
 
-/// That each is above the one before.
+/// The condition that each element is above the one before.
 template <class List, class Tell = std::identity>
 [[nodiscard]] auto ascending(const List& list, Tell of = {}) {
   return [&list, of](std::size_t i) { return i == 0 || std::invoke(of, list[i - 1]) < std::invoke(of, list[i]); };

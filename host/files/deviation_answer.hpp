@@ -50,7 +50,7 @@ auto fields_of(Of<SurfaceCover> auto& cover) {
   return std::tuple_cat(field("patches", cover.patches), field("off", cover.off), unless_empty(field("on", cover.on)));
 }
 
-/// As many points as patches need.
+/// Requires as many points as patches need.
 void require_points(const auto& archive, const SurfaceCover& cover) {
   std::ptrdiff_t off = 0;
   std::ptrdiff_t on = 0;
@@ -144,7 +144,7 @@ void describe(const auto& archive, Of<DividedTriangle> auto& divided) {
   require_samples(archive, divided.proof);
 }
 
-/// `counted` tells of each primitive whether its surface counts; the file names those that do, in their order.
+/// `counted` has a flag for each primitive whose surface counts; the file names the flagged ones, in their order.
 template <class Archive>
 void describe_counted(const Archive& archive, Of<SurfaceCover> auto& cover, Of<std::vector<bool>> auto& counted) {
   std::vector<std::uint32_t> primitives;

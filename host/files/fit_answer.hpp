@@ -18,7 +18,7 @@ void describe(const auto& archive, Of<AreaRun> auto& run) {
   archive.array("must be an area's index and a number of points", run.area, run.points);
 }
 
-/// They name so many areas, and in all no more points than a mesh has indices for.
+/// Requires that the runs name `areas` areas, and in all no more points than a mesh has indices for.
 void require_runs(const auto& archive, std::string_view key, const std::vector<AreaRun>& runs, std::size_t areas) {
   constexpr std::uint64_t most_points = std::uint64_t{1} << 32U;
   const auto of_an_area = [&](std::size_t i) { return runs[i].area < areas; };
@@ -102,7 +102,7 @@ void describe(const auto& archive, Of<BestFitAnswer> auto& answer) {
 
 // The kind `insertion`: distances along a way in.
 
-/// So that no more work can be asked for than a row is worth.
+/// A limit so that no row can require more work than it is worth.
 inline constexpr std::size_t most_parts_of_row = 4096;
 
 inline constexpr auto as_segment = [](const auto& archive, auto& ends) {
@@ -124,7 +124,7 @@ void describe(const auto& archive, Of<InsertionAnswer::Row> auto& row) {
   archive.require(parts.size() <= most_parts_of_row, "parts", "must have no more than {} parts", most_parts_of_row);
 }
 
-// That of the whole surface.
+// The proof of the whole surface.
 
 void describe(const auto& archive, Of<std::vector<WayCell>> auto& cells) {
   archive.letters(cells, ".mqh", "must consist of the letters m, q, h and .");

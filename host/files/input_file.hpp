@@ -25,23 +25,23 @@ namespace verisq {
 /// Throws Error(input) that begins with the file's name.
 [[noreturn]] void refuse_file(std::string_view name, std::string_view message);
 
-/// Memory stays at one block (no larger than the file, grown to the longest line), whatever the size of the file. Not
-/// memory-mapped: a file that shrinks while it is read must end in a message, not in a signal.
+/// Memory stays at one block (no larger than the file, grown to the longest line), for files of any size. Not
+/// memory-mapped: a file that shrinks while it is read must cause a message, not a signal.
 class InputFile {
  public:
-  /// No line may be longer: a binary file taken for text ends in a message, not in memory.
+  /// The limit of a line's length: a binary file that is read as text ends in a message instead of using up memory.
   static constexpr std::size_t longest_line = std::size_t{1} << 24;
 
   /// Throws Error(input) when the file is missing, a directory, unreadable or empty.
   explicit InputFile(const std::filesystem::path& path);
 
-  /// Bytes that were read before, of the file of that name. Throws likewise where there are none.
+  /// A file of this name whose bytes were read before. Throws the same error if there are none.
   InputFile(std::string name, std::string_view bytes);
 
-  /// What is left of the standard input. Throws likewise.
+  /// The rest of the standard input. Throws the same error.
   [[nodiscard]] static InputFile standard_input();
 
-  /// As messages call it.
+  /// The name in messages.
   [[nodiscard]] const std::string& name() const { return name_; }
 
   [[nodiscard]] std::uint64_t size() const { return size_; }  ///< in bytes; 0 when not known (a pipe)
@@ -55,33 +55,33 @@ class InputFile {
   /// The next line without its end ("\n" or "\r\n"); valid until the next call. Nothing at the end of the file.
   std::optional<std::string_view> next_line();
 
-  /// Whether the line read last has an end: only the last line of a file may have none.
+  /// Returns whether the line read last has an end: only the last line of a file may have none.
   [[nodiscard]] bool line_has_end() const { return line_has_end_; }
 
-  /// The next line that holds more than blanks.
+  /// The next line with more than blanks.
   std::optional<std::string_view> next_line_with_text();
 
-  /// Whole lines from the front of what is unread, as many as a block holds and at least one, without consuming them;
-  /// valid until the next call. Nothing at the end of the file. Where `next_line` would fail for the first of them, so
-  /// does this.
+  /// Whole lines from the front of the unread part, as many as a block can have and at least one, without consuming
+  /// them. Valid until the next call. Nothing at the end of the file. Fails if `next_line` would fail for the first of
+  /// them.
   std::string_view peek_lines();
 
   /// Consumes `count` lines, which are the first `bytes` of those that `peek_lines` returned last.
   void pass_lines(std::size_t bytes, std::uint64_t count);
 
-  /// How many lines have been consumed.
+  /// The number of consumed lines.
   [[nodiscard]] std::uint64_t lines_read() const { return line_number_; }
 
-  /// The next `count` bytes; valid until the next call. `what` names them in the message when the file ends before.
+  /// The next `count` bytes; valid until the next call. `what` names them in the message if the file ends before.
   std::string_view take(std::size_t count, std::string_view what);
 
-  /// At most `count` bytes from the front of what is unread, without consuming them.
+  /// At most `count` bytes from the front of the unread part, without consuming them.
   std::string_view peek(std::size_t count);
 
-  /// The same of a text.
+  /// The same for a text.
   std::string_view peek_text(std::size_t count);
 
-  /// True where nothing is left but a line end, which some writers put behind binary data.
+  /// True if nothing is left but a line end, which some writers put behind binary data.
   [[nodiscard]] bool is_at_end() {
     const std::string_view rest = peek(3);
     return rest.empty() || rest == "\n" || rest == "\r\n";
@@ -96,7 +96,7 @@ class InputFile {
   /// Throws Error(input): "FILE: line N: message".
   [[noreturn]] void fail_at_line(std::uint64_t line, std::string_view message) const;
 
-  /// Throws Error(input): "FILE: message", for what concerns the file as a whole.
+  /// Throws Error(input): "FILE: message", for errors that concern the file as a whole.
   [[noreturn]] void fail_whole(std::string_view message) const;
 
  private:
@@ -112,7 +112,7 @@ class InputFile {
   [[nodiscard]] std::string_view unread() const { return {buffer_.data() + next_, end_ - next_}; }
 
   std::string name_;
-  std::unique_ptr<std::FILE, Close> file_;  ///< none: all bytes are in the buffer
+  std::unique_ptr<std::FILE, Close> file_;  ///< null: all bytes are in the buffer
   std::uint64_t size_ = 0;
   std::vector<char> buffer_;
   std::size_t next_ = 0;  // unread bytes are [next_, end_) of the buffer
@@ -125,9 +125,9 @@ class InputFile {
   Unit last_read_ = Unit::nothing;
 };
 
-// Where an output's name leads to.
+// The target of an output's name.
 
-/// Through all symbolic links, whether there is a file or not. Precondition: they do not lead in circles.
+/// Resolves all symbolic links, whether the file exists or not. Precondition: they do not form a circle.
 [[nodiscard]] std::filesystem::path through_links(std::filesystem::path name);
 
 // Numbers from and to bytes of a stated order, whatever the order of this machine.
@@ -154,16 +154,16 @@ template <class Number>
   return std::endian::native == std::endian::little ? value : reversed_bytes(value);
 }
 
-// SHA-256 (FIPS 180-4), by which people and certificates tell which file an answer is about.
+// SHA-256 (FIPS 180-4): people and certificates identify by it the file that an answer is about.
 
 /// Own code and no library: a program that checks certificates would otherwise be linked to one that is twenty times
-/// its size. No proof rests on it: what is proven is proven of the model that was read, whatever its digest.
+/// its size. No proof rests on it: proofs are about the model that was read, whatever its digest.
 class Sha256 {
  public:
   /// Takes the next bytes.
   void add(std::span<const std::byte> bytes);
 
-  /// Of all bytes so far, 64 hexadecimal digits in small letters. Nothing may be added after it.
+  /// The digest of all bytes so far, 64 hexadecimal digits in small letters. Nothing may be added after it.
   [[nodiscard]] std::string digest();
 
  private:
@@ -177,7 +177,7 @@ class Sha256 {
   std::uint64_t bytes_ = 0;
 };
 
-/// Of all these bytes.
+/// The digest of all these bytes.
 [[nodiscard]] std::string sha256(std::string_view bytes);
 
 }  // namespace verisq

@@ -10,9 +10,9 @@
 
 namespace verisq {
 
-/// Parses a whole document. Throws Error(input), one line that starts with `name`: with line and column for syntax
-/// errors; and for nesting deeper than 2048 levels (so that readers may recurse); with the path of the key for
-/// duplicate keys and numbers beyond binary64, and of the value up to which a tree would take more than 16 MiB and 16
+/// Parses a whole document. Throws Error(input), one line that starts with `name`. Syntax errors, and nesting deeper
+/// than 2048 levels (so that readers may recurse), come with line and column. Duplicate keys and numbers beyond
+/// binary64 come with the path of the key, as does the value up to which a tree would take more than 16 MiB and 16
 /// times the text. Takes time and memory in proportion to the text.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, std::string_view name);
 
@@ -31,9 +31,9 @@ class JsonValue {
 
   /// The value of a key of this object; fails when it is missing.
   [[nodiscard]] JsonValue at(std::string_view key) const;
-  /// Nothing when it is missing.
+  /// Nothing if the key is missing.
   [[nodiscard]] std::optional<JsonValue> find(std::string_view key) const;
-  /// How many elements; fails unless this is an array.
+  /// The number of elements; fails unless this is an array.
   [[nodiscard]] std::size_t size() const;
   /// Precondition: index < size().
   [[nodiscard]] JsonValue element(std::size_t index) const;
@@ -42,9 +42,9 @@ class JsonValue {
   [[nodiscard]] JsonValue at_place(std::string_view place) const;
 
   [[nodiscard]] std::string text() const;  ///< fails unless this is a string
-  /// A string that is shown: fails unless it is of one line, without control characters.
+  /// A string that is displayed: fails unless it is of one line, without control characters.
   [[nodiscard]] std::string line() const;
-  [[nodiscard]] std::string name() const;  ///< likewise, and not empty
+  [[nodiscard]] std::string name() const;  ///< like `line`, and not empty
   [[nodiscard]] double number() const;     ///< fails unless this is a number
   /// The strings "inf" and "-inf", too: JSON has no infinite numbers.
   [[nodiscard]] double number_or_infinity() const;

@@ -28,17 +28,17 @@ class ByteStream {
   ByteStream(const ByteStream&) = delete;
   ByteStream& operator=(const ByteStream&) = delete;
 
-  /// No file can unpack to more: a wrong header must not ask for all memory.
+  /// The largest size to which the file can unpack: a wrong header must not request all memory.
   [[nodiscard]] std::uint64_t most_bytes() const;
 
-  /// Fills `bytes`. Throws Error(input) where the file ends before, inside `what`, or cannot be unpacked.
+  /// Fills `bytes`. Throws Error(input) if the file ends before, inside `what`, or cannot be unpacked.
   void read(std::span<char> bytes, std::string_view what);
 
-  /// Throws Error(input) where there are more bytes.
+  /// Throws Error(input) if there are more bytes.
   void expect_end(std::string_view what);
 
  private:
-  /// As many bytes as there are, at most `bytes.size()`.
+  /// Fills as many bytes as there are, at most `bytes.size()`.
   std::size_t unpack(std::span<char> bytes);
   void next_member();
 
@@ -54,7 +54,7 @@ class ByteStream {
 /// Nearly Raw Raster Data (teem): a header of text, a blank line, the voxels. In LPS, unless its space is unknown.
 [[nodiscard]] LabelVolume read_nrrd(InputFile& file);
 
-/// NIfTI-1 in one file, packed or not: 348 bytes, then the voxels. Likewise.
+/// NIfTI-1 in one file, packed or not: 348 bytes, then the voxels. In LPS, unless its space is unknown.
 [[nodiscard]] LabelVolume read_nifti(InputFile& file);
 
 /// x and y of LPS and RAS are each other's negatives.

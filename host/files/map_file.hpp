@@ -1,4 +1,4 @@
-/// Maps to files: the formats, one class each, what columns and rows they have in common; digits of numbers.
+/// Maps to files: the formats, one class each, their common columns and rows, and the digits of numbers.
 #pragma once
 
 #include <cstddef>
@@ -17,27 +17,27 @@
 
 namespace verisq {
 
-// Maps to files: the formats, one class each, what columns and rows they have in common, and PLY.
+// Maps to files: the formats, one class each, their common columns and rows, and PLY.
 
 // The map formats: one class and one source file each.
 
-/// As the constructor of `MapWriter` states it.
+/// As defined by the constructor of `MapWriter`.
 struct MapKind {
   const Mesh* mesh;  ///< must outlive the format; may be null for vertices: then the appended points are the vertices
   MapContents contents;
   MapElements elements;
-  std::vector<MapColumn> columns;     ///< of tables; empty: those that the format has by itself
-  std::optional<std::uint64_t> rows;  ///< how many there will be; nothing where that is not known
-  std::uint64_t first_row = 0;        ///< its index
+  std::vector<MapColumn> columns;     ///< columns of tables; empty: the format's own columns
+  std::optional<std::uint64_t> rows;  ///< number of rows; nothing if it is not known
+  std::uint64_t first_row = 0;        ///< index of the first row
 };
 
 [[nodiscard]] constexpr bool has_certificates(MapContents contents) {
   return contents == MapContents::certified || contents == MapContents::covered;
 }
 
-/// What `MapWriter` was given in one call.
+/// The arguments of one call of `MapWriter`.
 struct MapChunk {
-  std::span<const Point> points;  ///< may be left out where there is a mesh
+  std::span<const Point> points;  ///< may be absent if there is a mesh
   std::span<const MapResult> results;
   std::span<const Certificate> certificates = {};
   std::span<const ClosestPoint> closest = {};
@@ -54,8 +54,8 @@ class MapFormat {
 
   /// Precondition: as for `MapWriter::append`.
   virtual void append(const MapChunk& chunk) = 0;
-  virtual void finish() = 0;  ///< writes what is left; the file itself stays to be finished
-  /// Whether the file is a valid map of its own after any number of rows.
+  virtual void finish() = 0;  ///< writes the rest; the file itself must be finished afterwards
+  /// Returns whether the file is a valid map of its own after any number of rows.
   [[nodiscard]] virtual bool valid_after_any_row() const { return false; }
 };
 
@@ -69,35 +69,34 @@ class MapFormat {
 [[nodiscard]] std::unique_ptr<MapFormat> make_streamed_vtp_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const MapKind& kind);
 
-// The columns of maps that are tables: what each holds, and which a format has unless others are asked for.
+// The columns of maps that are tables: their contents, and the default columns of a format.
 
 /// A row of a map that is being written.
 struct MapRow {
   std::uint64_t index;
-  const Point* point;  ///< null where there is none: of triangles and poses
+  const Point* point;  ///< null for triangles and poses
   MapResult result;
   const ClosestPoint* closest;  ///< null where the map has none
-  const ClosestPoints* pair;    ///< likewise, of poses
+  const ClosestPoints* pair;    ///< closest points of poses; null without them
 };
 
-/// Precondition: none of those that are whole numbers or words; where there is no point no coordinate. The width is
-/// rounded upward.
+/// Precondition: a column of numbers that are neither whole numbers nor words; no coordinate if there is no point. The
+/// width is rounded upward.
 [[nodiscard]] double number_in(MapColumn column, const MapRow& row);
 
 /// Precondition: a row with closest points.
 [[nodiscard]] bool is_unique(const MapRow& row);
 
-/// Of the deciding primitive; -1 where it is not known.
+/// The index of the deciding primitive; -1 if it is not known.
 [[nodiscard]] std::int32_t primitive_in(const ClosestPoint& closest);
 
-/// Those of closest points, in their order.
+/// The columns of closest points, in their order.
 [[nodiscard]] std::vector<MapColumn> columns_of_closest_points(MapElements elements);
 
-/// The rows of one call of `MapFormat::append`, with the points of a mesh where it gives none. Views of all that it is
-/// made of.
+/// The rows of one call of `MapFormat::append`, with the points of a mesh if the call gives none. Views of all parts.
 class AppendedRows {
  public:
-  /// `first` is the index of the first of them.
+  /// `first` is the index of the first row.
   AppendedRows(const Mesh* mesh, MapElements elements, std::uint64_t first, const MapChunk& chunk);
 
   [[nodiscard]] std::size_t size() const { return results_.size(); }
@@ -114,7 +113,7 @@ class AppendedRows {
   std::span<const ClosestPoints> pairs_;
 };
 
-// A map kept in memory until all of it is known: what the mesh formats write at the end.
+// A map kept in memory until it is complete: the mesh formats write it at the end.
 
 class CollectedMap {
  public:
@@ -122,8 +121,8 @@ class CollectedMap {
 
   void append(std::span<const Point> points, std::span<const MapResult> results);
 
-  /// Throws Error(failure) naming `output`'s file unless there is exactly one result for each vertex or triangle: a
-  /// mesh whose map was ended early has no place for what is unknown.
+  /// Throws Error(failure) naming `output`'s file unless there is exactly one result for each vertex or triangle. A
+  /// mesh whose map was ended early has no representation of unknown results.
   void check_complete(const OutputFile& output) const;
 
   [[nodiscard]] MapElements elements() const { return elements_; }
@@ -134,7 +133,7 @@ class CollectedMap {
   [[nodiscard]] std::span<const std::uint8_t> statuses() const { return statuses_; }
 
  private:
-  /// How many results the map has when it is complete; of a stream of points: so far.
+  /// The number of results of a complete map; for a stream of points: the number so far.
   [[nodiscard]] std::size_t complete_size() const;
 
   const Mesh* mesh_;

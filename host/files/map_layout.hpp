@@ -1,4 +1,4 @@
-/// How maps and their certificates lie in files, for who writes them and who reads them.
+/// The layout of maps and their certificates in files, for writers and readers.
 #pragma once
 
 #include <cmath>
@@ -15,15 +15,15 @@
 
 namespace verisq {
 
-// What a `.vtp` map declares and in which order its arrays follow each other: for who writes and who reads it.
+// The declarations of a `.vtp` map and the order of its arrays: for writers and readers.
 
 struct VtpLayout {
   MapElements elements;
   std::uint64_t points;
   std::uint64_t triangles;
-  std::optional<std::uint64_t> further_normals;  ///< how many; nothing without certificates
+  std::optional<std::uint64_t> further_normals;  ///< number of further normals; nothing without certificates
   bool closest_points = false;
-  std::optional<std::uint64_t> cover_bits = {};  ///< how many; nothing without covers
+  std::optional<std::uint64_t> cover_bits = {};  ///< number of bits; nothing without covers
 
   [[nodiscard]] bool has_triangles() const { return elements == MapElements::triangles || triangles > 0; }
   /// Triangles, or a vertex cell for each point: points without cells are invisible.
@@ -32,11 +32,11 @@ struct VtpLayout {
   [[nodiscard]] std::uint64_t rows() const { return elements == MapElements::vertices ? points : triangles; }
 };
 
-/// All of the file that is before its arrays: the XML as far as the '_' from which on they are appended, each after
-/// the number of its bytes, a UInt64 ("VTK File Formats", XML, appended raw).
+/// The whole file before its arrays: the XML up to the '_' after which they are appended. Each array follows the number
+/// of its bytes, a UInt64 ("VTK File Formats", XML, appended raw).
 [[nodiscard]] std::string vtp_declarations(const VtpLayout& layout);
 
-/// All that is behind them.
+/// The whole file behind its arrays.
 inline constexpr std::string_view vtp_end = "\n  </AppendedData>\n</VTKFile>\n";
 
 // Covers of certificates as text: hexadecimal digits of four bits each (docs/formats.md §5).
@@ -44,16 +44,17 @@ inline constexpr std::string_view vtp_end = "\n  </AppendedData>\n</VTKFile>\n";
 /// The first bit is the highest of the first digit; the last digit is filled up with 0.
 [[nodiscard]] std::string digits_of_cover(const std::vector<bool>& cover);
 
-/// Nothing unless the text is the digits of one whole cover, whose cells say themselves where it ends.
+/// Nothing unless the text is the digits of one whole cover; its cells determine where it ends.
 [[nodiscard]] std::optional<std::vector<bool>> cover_from(std::string_view text);
 
-/// Whether the cells end exactly where the bits do.
+/// Returns whether the cells end exactly where the bits do.
 [[nodiscard]] bool is_whole_cover(const std::vector<bool>& cover);
 
-// Certificates stored by column: the arrays in which a `.vtp` holds them.
+// Certificates stored by column: the arrays of a `.vtp`.
 
-/// A row for each certificate. The mesh formats know only arrays of one tuple a point or cell, so the first normal is a
-/// column of its own (to be drawn as glyphs) and all others of all rows follow each other in a separate table.
+/// A row for each certificate. The mesh formats know only arrays of one tuple for each point or cell. So the first
+/// normal is a column of its own (to be drawn as glyphs), and all others of all rows follow each other in a separate
+/// table.
 struct CertificateColumns {
   static constexpr std::int32_t no_primitive = -1;
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -61,16 +62,17 @@ struct CertificateColumns {
   static constexpr std::array<double, 2> no_weights{none, none};
 
   MapElements elements = MapElements::vertices;
-  std::vector<std::int32_t> primitive;  ///< of the first normal, or no_primitive: then there are no normals at all
+  std::vector<std::int32_t> primitive;  ///< primitive of the first normal, or no_primitive: then there are no normals
+                                        ///< at all
   std::vector<Point> normal;            ///< zero where there is none: a glyph of no length
-  std::vector<Point> escape;            ///< of vertices; empty for triangles
-  std::vector<std::array<double, 2>> weights;     ///< of triangles; empty for vertices
+  std::vector<Point> escape;            ///< for vertices; empty for triangles
+  std::vector<std::array<double, 2>> weights;     ///< for triangles; empty for vertices
   std::vector<std::int64_t> further_normals_end;  ///< after the last of the row's in the table below
 
   std::vector<std::int32_t> further_primitive;
   std::vector<Point> further_normal;
 
-  bool covered = false;                 ///< whether there are those below
+  bool covered = false;                 ///< whether the following members are set
   std::vector<Point> witness;           ///< or no_escape
   std::vector<std::int64_t> cover_end;  ///< after the last of the row's in the table below
   std::vector<std::uint8_t> cover;      ///< 1 or 0
@@ -83,7 +85,7 @@ struct CertificateColumns {
     std::size_t begin;
     std::size_t end;
   };
-  /// Where the further normals of row `row` are. Precondition: the ends ascend from 0 or more.
+  /// The range of the further normals of row `row`. Precondition: the ends ascend from 0 or more.
   [[nodiscard]] Range further_normals(std::size_t row) const;
 
   /// Overwrites `certificate` with row `row`. Precondition: the columns are as `append` leaves them.
@@ -94,24 +96,24 @@ struct CertificateColumns {
 
 inline constexpr std::string_view csv_map_header = "index,lo,hi,status";
 
-/// With certificates, of points. `primitive` and `normal_*` are the first normal, `further_normals` the others, each as
-/// "primitive:x:y:z" with a blank between two; fields of what a certificate does not have are empty.
+/// The header with certificates, of points. `primitive` and `normal_*` are the first normal, `further_normals` the
+/// others, each as "primitive:x:y:z" with a blank between two. Fields that a certificate does not have are empty.
 inline constexpr std::string_view csv_certified_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z";
 
-/// The same with witnesses and covers, these as hexadecimal digits.
+/// The same with witnesses and covers; covers are hexadecimal digits.
 inline constexpr std::string_view csv_covered_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z,"
     "witness_x,witness_y,witness_z,cover";
 
-/// The same of triangles, whose certificates have weights instead of an escape.
+/// The same for triangles, whose certificates have weights instead of an escape.
 inline constexpr std::string_view csv_certified_triangle_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,weight_1,weight_2";
 inline constexpr std::string_view csv_covered_triangle_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,weight_1,weight_2,"
     "witness_x,witness_y,witness_z,cover";
 
-/// That of a map with certificates, or with covers, too.
+/// The header of a map with certificates, or with covers, too.
 [[nodiscard]] constexpr std::string_view csv_certified_header(MapElements elements, bool covered) {
   if (elements == MapElements::vertices) return covered ? csv_covered_map_header : csv_certified_map_header;
   return covered ? csv_covered_triangle_map_header : csv_certified_triangle_map_header;
@@ -119,7 +121,7 @@ inline constexpr std::string_view csv_covered_triangle_map_header =
 
 // The number by which maps colour a row.
 
-/// A finite number inside the enclosure: the middle; where one end is infinite the other end; where both are, 0. Never
+/// A finite number inside the enclosure: the middle; the other end if one end is infinite; 0 if both are. Never NaN.
 /// NaN.
 [[nodiscard]] inline double finite_middle(double lo, double hi) {
   if (std::isfinite(lo) && std::isfinite(hi)) return std::midpoint(lo, hi);
@@ -127,7 +129,7 @@ inline constexpr std::string_view csv_covered_triangle_map_header =
   return std::isfinite(hi) ? hi : 0.0;
 }
 
-// How large a certificate file may be, for its reader and its writer.
+// The largest size of a certificate file, for its reader and its writer.
 
 /// Bytes, as of a model file.
 constexpr std::size_t largest_certificate = std::size_t{1} << 26;

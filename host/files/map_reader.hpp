@@ -1,4 +1,4 @@
-/// Certified maps read back: by the extension of their file, and those that are CSV.
+/// Certified maps read back, by the extension of their file; the reader of CSV maps.
 #pragma once
 
 #include <filesystem>
@@ -20,15 +20,15 @@ class MapRows {
 
   [[nodiscard]] virtual MapElements elements() const = 0;
 
-  /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map.
+  /// Fills `rows` from the front; returns the number of rows, less than requested only at the end of the map.
   virtual std::size_t read(std::span<CertifiedRow> rows) = 0;
 
-  // As those of `MapReader`.
+  // Like those of `MapReader`.
   [[nodiscard]] virtual bool draws() const { return false; }
   [[nodiscard]] virtual std::optional<MapDifference> difference_from(const Mesh& /*mesh*/) const { return {}; }
 };
 
-/// How much of a map a file is, by its name.
+/// The extent of the map that a file contains, by its name.
 enum class MapExtent {
   whole,
   part,  ///< the rows before an early end, the last of them perhaps not whole
@@ -37,7 +37,7 @@ enum class MapExtent {
 [[nodiscard]] std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path, MapExtent extent);
 [[nodiscard]] std::unique_ptr<MapRows> open_vtp_map(const std::filesystem::path& path);
 
-/// What is wrong with a sound map that has nothing to check, and what to do about it.
+/// The defect of a sound map that has nothing to check, and its remedy.
 inline constexpr std::string_view without_certificates =
     "written without `certificates`: map again with `certificates`";
 

@@ -1,4 +1,4 @@
-/// Meshes from files: the formats, and what they have in common.
+/// Meshes from files: the formats, and their common parts.
 #pragma once
 
 #include <array>
@@ -26,13 +26,13 @@ struct LabelledMesh {
   std::vector<std::int64_t> labels;
 };
 
-/// As read_ply, with an integer property of the vertices. Throws Error(input) where there is none of this name, and
-/// where it is a list, a floating-point number or a coordinate.
+/// Like read_ply, with an integer property of the vertices. Throws Error(input) if there is none of this name, or if it
+/// is a list, a floating-point number or a coordinate.
 [[nodiscard]] LabelledMesh read_labelled_ply(InputFile& file, const std::string& property);
 
-// Collects the vertices and polygons of a mesh file and refuses what is not a surface.
+// Collects the vertices and polygons of a mesh file and refuses data that are not a surface.
 
-/// Every refusal is an Error(input) at the position of what `file` read last.
+/// Every refusal is an Error(input) at the position that `file` read last.
 class MeshBuilder {
  public:
   explicit MeshBuilder(const InputFile& file) : file_(file) {}

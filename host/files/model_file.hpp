@@ -12,7 +12,7 @@ namespace verisq {
 
 // The key `areas` of the model format: boxes that group the points of the bone.
 
-/// What is in no area of its own: a name that no area of a file may have.
+/// The name for everything outside of the areas: no area of a file may have it.
 inline constexpr std::string_view elsewhere = "elsewhere";
 
 /// [{"name": "proximal", "weight": 3, "box": [[x0, y0, z0], [x1, y1, z1]]}, ...]. Throws Error(input) for empty,
@@ -24,7 +24,7 @@ inline constexpr std::string_view elsewhere = "elsewhere";
 /// {"head_centre": [x, y, z], ...}, any of `named_landmarks`. Throws Error(input) for other keys and values.
 [[nodiscard]] FemurLandmarks read_landmark_points(const JsonValue& points);
 
-/// Of the object's key "side": "left" or "right", nothing where there is none.
+/// The value of the object's key "side": "left" or "right"; nothing if there is none.
 [[nodiscard]] std::optional<Side> read_side(const JsonValue& object);
 
 }  // namespace verisq

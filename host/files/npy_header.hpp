@@ -1,4 +1,4 @@
-/// What a `.npy` file says of its array before the numbers (NumPy, numpy.lib.format, versions 1.0, 2.0 and 3.0).
+/// The header of a `.npy` file, which describes its array (NumPy, numpy.lib.format, versions 1.0, 2.0 and 3.0).
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ struct NpyHeader {
   std::vector<std::uint64_t> shape;
 };
 
-/// Takes the header from the front of the file. Throws Error(input) naming file, byte and value for what is no such
-/// header, and for arrays whose elements have fields or are Python objects.
+/// Takes the header from the front of the file. Throws Error(input) naming file, byte and value for an invalid header,
+/// and for arrays whose elements have fields or are Python objects.
 [[nodiscard]] NpyHeader read_npy_header(InputFile& file);
 
-/// The header, version 1.0, of `rows` elements in a row whose `descr` is this Python literal. Its length depends on the
-/// literal alone, so that a header can be written again when the number of rows is known.
+/// The header, version 1.0, of `rows` elements in a row; `descr` is a Python literal of their type. Its length depends
+/// on the literal alone, so that a header can be written again when the number of rows is known.
 [[nodiscard]] std::string npy_header(std::string_view descr, std::uint64_t rows);
 
 }  // namespace verisq

@@ -1,4 +1,4 @@
-/// How a `.vtu` holds an octree, and the reader of what OctreeWriter writes, to the byte.
+/// The layout of an octree in a `.vtu`, and the reader of OctreeWriter's files, to the byte.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace verisq {
 
-// What a file of an octree holds: equal siblings merged into their parent, corners shared.
+// The contents of an octree's file: equal siblings merged into their parent, corners shared.
 
-/// Eight children of one colour become their parent, as often as there are such. In the order of colours, levels and
+/// Replaces eight children of one colour by their parent, as often as possible. In the order of colours, levels and
 /// positions.
 [[nodiscard]] std::vector<OctreeCube> merged(std::span<const OctreeCube> cubes);
 
-/// The different corners of cubes, in the order of z, then y, then x.
+/// The distinct corners of cubes, in the order of z, then y, then x.
 class SharedCorners {
  public:
   using LatticePoint = std::array<std::uint32_t, 3>;  ///< in edges of cubes of `level`, from the root's lower corner
@@ -36,28 +36,28 @@ class SharedCorners {
  private:
   int level_ = 0;
   std::vector<std::uint64_t> keys_;        ///< rising
-  std::vector<std::uint64_t> first_of_z_;  ///< where the keys of each z begin
+  std::vector<std::uint64_t> first_of_z_;  ///< the beginning of the keys of each z
 };
 
-// How a `.vtu` holds an octree: text and arrays whose sizes are known before anything is written.
+// The layout of an octree in a `.vtu`: text and arrays whose sizes are known before anything is written.
 
-/// Where each array of the appended part begins, from the first byte of the file, behind the 8 bytes of its size.
+/// The beginning of each array of the appended part, from the first byte of the file, behind the 8 bytes of its size.
 struct OctreeArrays {
   std::uint64_t root, points, connectivity, offsets, types, colour, level;
-  std::uint64_t end;  ///< of the file
+  std::uint64_t end;  ///< end of the file
 };
 
-/// Of a file with `points` corners and `cells`, whose XML part has `text_bytes`.
+/// The arrays of a file with `points` corners and `cells`, whose XML part has `text_bytes`.
 [[nodiscard]] OctreeArrays octree_arrays(std::uint64_t text_bytes, std::uint64_t points, std::uint64_t cells);
 
-/// Whether indices of corners, and the offsets behind them, are of 32 bits.
+/// Returns whether indices of corners, and the offsets behind them, have 32 bits.
 [[nodiscard]] bool has_narrow_indices(std::uint64_t cells);
 
 class OctreeLayout {
  public:
   using Sink = std::function<void(std::string_view bytes)>;
 
-  /// Eight siblings of one colour become their parent.
+  /// Replaces eight siblings of one colour by their parent.
   explicit OctreeLayout(std::span<const OctreeCube> cubes);
 
   [[nodiscard]] std::uint64_t bytes() const;

@@ -17,10 +17,10 @@
 namespace verisq {
 
 /// Writes to a temporary file beside the target, which `finish` renames to the target (replacing an older file, whose
-/// permissions it takes over). The target is where `name` leads to, through any symbolic links. The destructor removes
-/// what is unfinished; a run that is killed leaves it as TARGET.1a2b3c4d.partial, with other digits for every run.
-/// What exists and is no regular file (a pipe, a terminal, /dev/null) cannot be replaced: it is written to directly.
-/// All members throw Error(failure) that gives the name and the reason.
+/// permissions it takes over). The target is the file to which `name` leads, through any symbolic links. The destructor
+/// removes an unfinished file; a run that is killed leaves it as TARGET.1a2b3c4d.partial, with other digits for every
+/// run. An existing target that is no regular file (a pipe, a terminal, /dev/null) cannot be replaced: it is written to
+/// directly. All members throw Error(failure) that gives the name and the reason.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path name);
@@ -36,20 +36,20 @@ class OutputFile {
   template <class Number>
   void write_little_endian(std::span<const Number> numbers);
 
-  /// Hands on what the buffer holds: from then on it outlives even a killed process.
+  /// Writes out the buffer: from then on its bytes outlive even a killed process.
   void flush();
 
-  /// Whether `write_at` may be called: not of what is written to directly.
+  /// Returns whether `write_at` may be called: not for a target that is written to directly.
   [[nodiscard]] bool can_be_rewritten() const { return !temporary_.empty(); }
 
-  /// Writes at `position` of the file, wherever `write` goes on; before, `flush` must have handed on what is there.
+  /// Writes at `position` of the file, independently of `write`; before, `flush` must have written the bytes there.
   void write_at(std::uint64_t position, std::string_view bytes);
   template <class Number>
   void write_little_endian_at(std::uint64_t position, std::span<const Number> numbers);
 
   void finish();
-  /// Keeps a part under the target's name with `.partial` added; returns that name. What was written to directly is
-  /// kept where it is.
+  /// Keeps a part under the target's name with `.partial` added; returns that name. A target that is written to
+  /// directly stays where it is.
   [[nodiscard]] std::filesystem::path finish_as_partial();
 
   /// Throws Error(failure): "NAME: cannot be written: reason".
@@ -74,7 +74,7 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-/// The numbers' bytes in little-endian order; `swapped` holds them where this machine has another.
+/// The numbers' bytes in little-endian order; `swapped` stores them if this machine has another order.
 template <class Number>
 [[nodiscard]] std::string_view little_endian_bytes(std::span<const Number> numbers, std::vector<Number>& swapped) {
   if constexpr (std::endian::native != std::endian::little) {

@@ -14,8 +14,8 @@ inline constexpr Kind kind_of<PoseAnswers>{"poses"};
 template <>
 inline constexpr Kind kind_of<PathAnswer>{"path"};
 
-// Proofs of the distance of two models. Two separations, and two divisions, never are of the same primitives, so that
-// no more work can be asked for than there are pairs, and planes.
+// Proofs of the distance of two models. No two separations, and no two divisions, are about the same primitives. So no
+// file can require more work than there are pairs, and planes.
 
 void describe(const auto& archive, Of<Separation> auto& separation) {
   archive.object(field("primitive_a", separation.primitive_a), field("primitive_b", separation.primitive_b),

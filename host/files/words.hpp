@@ -16,7 +16,7 @@
 
 namespace verisq {
 
-// Splits a line of text into words and reads them as numbers, with messages that quote what was found.
+// Splits a line of text into words and reads them as numbers, with messages that quote the found text.
 
 /// Removes blanks (space, tab, carriage return, vertical tab, form feed) from both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
@@ -45,11 +45,11 @@ class Words {
 /// The printable text between single quotes, shortened.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// Fails at the file's position where there is another word.
+/// Fails at the file's position if there is another word.
 void expect_end(const InputFile& file, const Words& words);
 
-/// The nearest binary64 of a decimal number (a leading '+' is fine). Fails at the file's position with `what` and the
-/// word for anything that is not a number as a whole, for NaN, infinity and numbers beyond binary64.
+/// The nearest binary64 of a decimal number (a leading '+' is allowed). Fails at the file's position with `what` and
+/// the word for any text that is not a number as a whole, for NaN, infinity and numbers beyond binary64.
 [[nodiscard]] double finite_number(const InputFile& file, std::string_view word, std::string_view what);
 
 /// The next three words as the finite numbers x, y and z.

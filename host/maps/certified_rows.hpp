@@ -1,4 +1,4 @@
-/// Rows of a map: what two say together, how tight they get, and how far from a model they are at least.
+/// Rows of a map: the intersection of two, how tight they get, and lower bounds of their distances from a model.
 #pragma once
 
 #include <algorithm>
@@ -20,19 +20,20 @@
 
 namespace verisq {
 
-// Rows of a map: how tight they get, what two say together, and what they add to the summary.
+// Rows of a map: how tight they get, the intersection of two, and their contribution to the summary.
 
-// How tight the methods get: what a tolerance of 0 asks for, and calls verified.
+// The tightest widths of the methods: a tolerance of 0 requests them, and calls them verified.
 
-// Outside, the device's certificates are as good as certificates get; inside, its branch and bound is.
+// Outside, the device's certificates are as tight as certificates get; inside, its branch and bound is as tight as
+// searches get.
 inline constexpr double tightest_outside = 1e-12;  // of max(largest |coordinate|, radius of the model)
 inline constexpr double tightest_inside = 2e-9;    // of the radius of the model
-// Of a tapered solid the kernels search once for the closest point: where that goes astray, for a few of 1000, the host
-// is tighter.
+// For a tapered solid the kernels search once for the closest point. If that search fails, as for a few of 1000 points,
+// the host is tighter.
 inline constexpr double tightest_outside_of_tapered = 1e-14;
 
 /// The width of the tightest enclosures of a signed distance like `found`. Only a point proven to be inside may be as
-/// wide as those inside are: of one within rounding of the surface, certificates enclose the distance as outside.
+/// wide as points inside. For a point within rounding of the surface, certificates enclose the distance as outside.
 template <class Query>
 [[nodiscard]] double tightest_width(const Query& query, const Enclosure& found, double radius,
                                     double outside = tightest_outside) {
@@ -40,11 +41,11 @@ template <class Query>
   return outside * std::max(verify::largest_coordinate(query), radius);
 }
 
-// What two certified enclosures of one value say together.
+// The intersection of two certified enclosures of one value.
 
-/// With what proves it: upper end first, as certificates want it, then what proves the lower end. All of `b` where that
-/// has a cover, which goes with the points that it was made with. `what` names the value, as verify::intersection wants
-/// it.
+/// The intersection with its certificate: the certificate of the upper end first, as certificates require, then that of
+/// the lower end. All of `b` if that has a cover, which belongs to the points that it was made with. `what` names the
+/// value, as verify::intersection requires.
 template <class What>
 [[nodiscard]] CertifiedEnclosure certified_intersection(const CertifiedEnclosure& a, const CertifiedEnclosure& b,
                                                         const What& what) {
@@ -61,16 +62,16 @@ template <class What>
   return {both, std::move(certificate)};
 }
 
-// The books of a map: what one more row adds to its summary.
+// The accounting of a map: the contribution of one more row to its summary.
 
-/// Of no rows: the smallest distance of none is infinite.
+/// The summary of no rows: its smallest distance is infinite.
 [[nodiscard]] inline MapSummary empty_summary() {
   MapSummary summary;
   summary.minimum_lo = summary.minimum_hi = infinity;
   return summary;
 }
 
-/// What rows with these extremes add to those of the summary.
+/// Adds rows with these extremes to the summary.
 inline void extend(MapSummary& summary, double minimum_lo, double minimum_hi, double largest_width) {
   summary.minimum_lo = std::min(summary.minimum_lo, minimum_lo);
   summary.minimum_hi = std::min(summary.minimum_hi, minimum_hi);
@@ -90,7 +91,7 @@ inline void count(MapSummary& summary, const MapResult& row) {
   extend(summary, row.distance.lo, row.distance.hi, row.distance.width());
 }
 
-/// Likewise what another summary counts.
+/// Adds the counts of another summary.
 inline void add(MapSummary& summary, const MapSummary& other) {
   summary.points += other.points;
   summary.device_verified += other.device_verified;
@@ -100,14 +101,14 @@ inline void add(MapSummary& summary, const MapSummary& other) {
   extend(summary, other.minimum_lo, other.minimum_hi, other.largest_width);
 }
 
-/// Likewise all of these, without a write to the summary for each.
+/// Adds all of these rows, without a write to the summary for each.
 inline void count(MapSummary& summary, std::span<const MapResult> rows) {
   MapSummary of_rows = empty_summary();
   for (const MapResult& row : rows) count(of_rows, row);
   add(summary, of_rows);
 }
 
-/// What rows say together that took the place of those of `earlier`, which tells how they were found.
+/// The summary of rows that replaced those of `earlier`; `earlier` states how they were found.
 [[nodiscard]] inline MapSummary recounted(const MapSummary& earlier, std::span<const MapResult> rows) {
   MapSummary summary = empty_summary();
   count(summary, rows);
@@ -118,29 +119,29 @@ inline void count(MapSummary& summary, std::span<const MapResult> rows) {
   return summary;
 }
 
-// Rough distances without a search: what a map knows before it begins, and says when the time is up.
+// Rough distances without a search: a map computes them before it begins, and uses them when the time is up.
 
-// What a map asks of a model before it begins: whether it has a point, and rough distances for when the time is up.
+// Preparations of a map for a model: the model must have a point, and rough distances are kept for when the time is up.
 
-/// Throws Error(input) where a rough search proves that the model has no point at all.
+/// Throws Error(input) if a rough search proves that the model has no point at all.
 void refuse_empty(const Model& model, const SignedDistance& distance, const std::function<bool()>& interrupted);
 
-/// Throws Error(input) where it proves that of the smallest of the models that bracket an uncertain one: no upper end
-/// holds for all members then, of which some may have no point. Exact models are left to the above.
+/// Throws Error(input) if it proves that the smallest of the models that bracket an uncertain one has no point. Then no
+/// upper end is valid for all members, some of which may have no point. Exact models are left to the function above.
 void refuse_empty_members(const Bracket& models, const std::function<bool()>& interrupted);
 
-/// Knows rough distances of the primitives' centres, of many spread over their order.
+/// Knows rough distances of the primitives' centres; of many primitives, of some spread over their order.
 [[nodiscard]] verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance,
                                                      const std::function<bool()>& interrupted);
 
 // Quick enclosures for the rows that a time limit leaves: no search, no wait.
 
-/// The first rows after the limit get all that takes no search, a good tenth of a second in all; of the others there
-/// may be a million: points get what bounding spheres prove, triangles what holds of any. Safe to use from many
+/// The first rows after the limit get all bounds that need no search, a good tenth of a second in all. There may be a
+/// million others: points get the bounds by bounding spheres, triangles the trivial bounds. Safe to use from many
 /// threads.
 class LateRows {
  public:
-  /// So many get all.
+  /// The number of rows that get all bounds.
   static constexpr std::size_t first_rows = 512;
 
   explicit LateRows(const Model& model) : proof_(model) {}

@@ -26,17 +26,17 @@
 
 namespace verisq {
 
-// How many queries a map works on at a time.
+// The number of queries that a map processes at a time.
 
-/// Enough to keep all processors busy; few enough that progress, Ctrl-C and limits are felt soon, whether a proof takes
-/// microseconds or, by a search, milliseconds.
+/// Enough to keep all processors busy. Few enough that progress, Ctrl-C and limits are noticed soon, whether a proof
+/// takes microseconds or, by a search, milliseconds.
 class ChunkPace {
  public:
-  /// Begins with a few.
+  /// Begins with a few queries.
   ChunkPace() = default;
   /// Begins with `most`, for who is quick as a rule, and comes back to them.
   explicit ChunkPace(std::size_t most) : largest_(most), size_(most) {}
-  /// Whole blocks (see rows_per_block) at every time, so that no row depends on how fast others were; begins with
+  /// Whole blocks (see rows_per_block) at every time, so that no row depends on the speed of others; begins with
   /// `size`.
   [[nodiscard]] static ChunkPace of_blocks(std::size_t size, std::size_t most) {
     ChunkPace pace(most);
@@ -64,9 +64,9 @@ class ChunkPace {
   std::size_t smallest_ = 16;
 };
 
-// A map of any kind of query: source -> device (or host) -> host for what stays open -> sink.
+// A map of any kind of query: source -> device (or host) -> host for open rows -> sink.
 
-/// What a map asks of the host about one kind of query:
+/// The functions of the host that a map needs for one kind of query:
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
 ///     options are interrupted (which all threads may ask, see SeenInterruption) or out of time it ends early, valid
 ///     and wide;
@@ -79,8 +79,8 @@ class ChunkPace {
 template <class Query, class Prover>
 class MapRun {
  public:
-  /// A device's search, without certificates, for what its proofs leave open inside: made ready when it is first asked
-  /// for. Empty, or nothing, where the host does that.
+  /// A device's search, without certificates, for rows inside that its proofs leave open. It is made ready at the first
+  /// call. Empty, or nothing, if the host does that.
   using Search = std::function<device::Batch<Query>*()>;
 
   MapRun(const Prover& prover, const MapOptions& options, const Source<Query>& source, const Sink<Query>& sink,
@@ -131,7 +131,7 @@ class MapRun {
     return all_read || summary_.interrupted ? summary_ : on_host();
   }
 
-  /// Searches and proves what enclosures that a device `found` leave open; hands all of the rows on.
+  /// Searches and proves the open rows among the enclosures that a device `found`; hands all of the rows on.
   void settle(std::span<const Query> queries, std::span<Enclosure> found) {
     search_inside(queries, found);
     finish(queries, found, {});
@@ -140,22 +140,22 @@ class MapRun {
   [[nodiscard]] const MapSummary& summary() const { return summary_; }
 
  private:
-  // What `queries` held before is overwritten: a full vector is not filled with zeros first.
+  // The former contents of `queries` are overwritten: a full vector is not filled with zeros first.
   void read_chunk(std::size_t capacity, std::vector<Query>& queries) const {
     queries.resize(capacity);
     queries.resize(source_(queries));
     for (const Query& query : queries) prover_.check(query);
   }
 
-  // Of a block (see rows_per_block): what blocks before had does not count, for where in a map a block lies must make
-  // no difference to its rows. A search of so many takes the host about as long as a device takes to be made ready for
-  // it: a tenth of a second, or the first time a second. A map that has half a block is long enough to be worth that.
+  // For a block (see rows_per_block); earlier blocks do not count, because the place of a block in the map must not
+  // affect its rows. A search for so many rows takes the host about as long as a device takes to be made ready: a tenth
+  // of a second, or the first time a second. A map that has half a block is long enough for that.
   static constexpr std::size_t worth_a_search = 16;
   static constexpr std::size_t worth_a_search_of_many = 1;
   static constexpr std::size_t many = rows_per_block / 2;
   static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
 
-  // To `open` those of a block that a search may tighten, if they are worth it.
+  // Adds to `open` the rows of a block that a search may tighten, if they are worth it.
   void add_open_of_block(std::span<const Query> queries, std::span<const Enclosure> found, std::size_t first,
                          std::vector<std::size_t>& open) const {
     const std::size_t count = std::min(rows_per_block, queries.size() - first);
@@ -166,7 +166,7 @@ class MapRun {
     if (open.size() - before < (count >= many ? worth_a_search_of_many : worth_a_search)) open.resize(before);
   }
 
-  // Tightens what is open and not proven to lie outside by the device's search.
+  // Tightens, by the device's search, the open rows that are not proven to lie outside.
   void search_inside(std::span<const Query> queries, std::span<Enclosure> found) {
     if (!search_) return;
     std::vector<std::size_t> open;
@@ -203,7 +203,7 @@ class MapRun {
       queries.clear();
       return false;
     }
-    // Full chunks keep a device busiest; with a time limit, what it has begun must be done soon.
+    // Full chunks keep a device busiest; with a time limit, the submitted work must be done soon.
     const std::size_t size = options_.out_of_time ? device_pace_.size() : batch.capacity();
     read_chunk(std::min(size, batch.capacity()), queries);
     if (!queries.empty()) batch.submit(queries);
@@ -214,15 +214,15 @@ class MapRun {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  // At most the tolerance wide; where 0 asks for the tightest, as tight as the methods get.
+  // At most the tolerance wide; if 0 requests the tightest, as tight as the methods get.
   [[nodiscard]] bool good(const Query& query, const Enclosure& found) const {
     return verified(found, options_.tolerance) || (options_.tolerance == 0.0 && prover_.at_limit(query, found));
   }
 
   [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
 
-  // Proves on the host what `found` leaves wide, and hands the rows on, up to an interruption. `certificates` are
-  // those of `found`; empty unless they were asked for.
+  // Proves on the host the rows that `found` leaves wide, and hands the rows on, up to an interruption. `certificates`
+  // are those of `found`; empty unless they were requested.
   void finish(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
     for (std::size_t first = 0; first < queries.size();) {
       if (summary_.interrupted || (first > 0 && options_.interrupted())) {
@@ -303,11 +303,11 @@ class MapRun {
   MapSummary summary_ = empty_summary();
 };
 
-// Which device makes a map, or why none does.
+// The device that makes a map, or the reason why none does.
 
-/// Without a device the host does all; the notice says why a device was passed over.
+/// Without a device the host does all; the notice states why a device was passed over.
 struct ChosenDevice : device::Selection {
-  std::vector<device::Device> further;  ///< that work beside it
+  std::vector<device::Device> further;  ///< devices that work beside it
 
   [[nodiscard]] std::string name() const {
     if (!device) return "host";
@@ -332,7 +332,8 @@ struct ChosenDevice : device::Selection {
   return {std::move(selection), {}};
 }
 
-/// One, or as many as the options name: for maps of points about unions of convex solids. Throws likewise.
+/// One device, or as many as the options name: for maps of points about unions of convex solids. Throws the same
+/// errors.
 [[nodiscard]] inline ChosenDevice chosen_devices(const MapOptions& options, const Model& primitives) {
   const std::vector<std::string> requests = device::requests_in(options.device);
   MapOptions of_one = options;
@@ -344,7 +345,7 @@ struct ChosenDevice : device::Selection {
   return chosen;
 }
 
-// A map of what lies in memory by one that reads from a source and writes to a sink.
+// A map of queries in memory by a map that reads from a source and writes to a sink.
 
 /// Delivers `queries`, which must outlive it, from the number `next` on.
 template <class Query>
@@ -373,9 +374,9 @@ template <class Query, class Map>
   return map(source_of<Query>(queries), sink_of<Query>(rows));
 }
 
-// Maps of ordinary models and exact queries: what all others are made of.
+// Maps of ordinary models and exact queries: the parts of all other maps.
 
-/// As Mapper, whose two kinds of maps have names of their own here.
+/// Like Mapper; its two kinds of maps have names of their own here.
 template <class Query>
 class ExactMap {
  public:
@@ -397,15 +398,15 @@ class ExactMap {
 
 // A prover and, unless the host does all, a device made ready: a map of one kind of query.
 
-/// `Prover` as MapRun asks for it.
+/// `Prover` as MapRun requires it.
 template <class Query, class Prover>
 class PreparedMap final : public ExactMap<Query> {
  public:
   /// Makes a device ready for a kind of work.
   using MakeBatch = std::function<std::unique_ptr<device::Batch<Query>>(const device::Device&)>;
 
-  /// `primitives` are all that the device must be able to hold; `make_batch` makes the device ready and owns what
-  /// it uses, unless `unsuited` says why no device is to be used (for all that are, `make_batch` may be empty).
+  /// `primitives` are all that the device must have room for. `make_batch` makes the device ready and owns the objects
+  /// that it uses. If `unsuited` gives a reason why no device is to be used, `make_batch` may be empty.
   PreparedMap(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
               const std::string& unsuited = {})
       : options_(options),

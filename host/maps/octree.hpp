@@ -12,7 +12,7 @@ namespace verisq {
 
 // The undecided cubes of an octree's deepest level, wherever they are coloured.
 
-/// What one level became: its undecided cubes are either split or stay as they are.
+/// The result of one level: its undecided cubes are either split or stay as they are.
 struct SplitLevel {
   OctreeLevel children;
   std::uint64_t unsplit = 0;  ///< left gray: no room for their children, or interrupted
@@ -56,12 +56,12 @@ namespace verisq::device {
 [[nodiscard]] std::unique_ptr<OctreeFront> octree_front(const Device& device, const Model& model,
                                                         const OctreeRoot& root, const std::string& extra_options = {});
 
-/// With kernels that are not tried before.
+/// With kernels that are not tested before.
 [[nodiscard]] std::unique_ptr<OctreeFront> octree_front(const Device& device, const cl::Program& program,
                                                         const Model& model, const OctreeRoot& root);
 
-/// The first cube of the first levels whose colour the host's distance of its centre contradicts, or that far less of
-/// the root is decided than by the host; empty where all is well.
+/// The first cube of the first levels whose colour contradicts the host's distance of its centre, or a message that far
+/// less of the root is decided than by the host. Empty if neither is found.
 [[nodiscard]] std::string first_false_colour(OctreeFront& front, const Model& model, const OctreeRoot& root);
 
 }  // namespace verisq::device

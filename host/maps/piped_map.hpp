@@ -1,4 +1,4 @@
-/// Maps of points through the pipes of devices: the host sees only what these leave open.
+/// Maps of points through the pipes of devices: the host processes only the rows that these leave open.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@
 
 namespace verisq {
 
-/// Adds to the summary what a device has summed up.
+/// Adds a device's sums to the summary.
 inline void count(MapSummary& summary, const device::RowSums& sums) {
   summary.points += std::uint64_t{sums.verified} + sums.wide;
   summary.device_verified += sums.verified;
@@ -36,7 +36,7 @@ inline void count(MapSummary& summary, const device::RowSums& sums) {
   extend(summary, sums.minimum_lo, sums.minimum_hi, sums.largest_width);
 }
 
-// Where the chunks of a map of points come from, and where their rows go.
+// The sources of the chunks of a map of points, and the destinations of their rows.
 
 /// Some points and the memory of their rows.
 struct PointChunk {
@@ -44,7 +44,7 @@ struct PointChunk {
   ResultColumns rows;
 };
 
-/// All of them in the caller's memory: nothing is copied.
+/// A feed of points and rows in the caller's memory: nothing is copied.
 class MemoryFeed {
  public:
   MemoryFeed(const PointColumns& points, const ResultColumns& rows) : points_(points), rows_(rows) {}
@@ -57,10 +57,10 @@ class MemoryFeed {
     return {points_.subspan(first, count), rows_.subspan(first, count)};
   }
 
-  /// To be called with the rows of each chunk, in order, when they are there.
+  /// Must be called with the rows of each chunk, in order, when they are complete.
   void deliver(const PointChunk& /*chunk*/, std::size_t /*first*/, std::size_t /*count*/) {}
 
-  /// What `next` has not returned yet.
+  /// The points that `next` has not returned yet.
   [[nodiscard]] Source<Point> rest() const { return source_of<Point>(points_, next_); }
   [[nodiscard]] Sink<Point> sink() const { return sink_of<Point>(rows_, next_); }
 
@@ -70,14 +70,14 @@ class MemoryFeed {
   std::size_t next_ = 0;
 };
 
-/// Memory of one chunk.
+/// The memory of one chunk.
 struct ChunkMemory {
   std::vector<Point> points;
   std::vector<MapResult> rows;
 };
 
-/// From a source, to a sink, through the memory of a few chunks: when all are filled, the next waits until the first is
-/// delivered.
+/// A feed from a source to a sink through the memory of a few chunks: when all are filled, the next waits until the
+/// first is delivered.
 class StreamFeed {
  public:
   /// All must outlive this; a memory for each chunk that may be in flight.
@@ -112,14 +112,14 @@ class StreamFeed {
   std::size_t turn_ = 0;
 };
 
-// A map of points through a device's pipe: the host sees only what the device leaves open.
+// A map of points through a device's pipe: the host processes only the rows that the device leaves open.
 
 /// `Prover` as MapRun asks for it, `Feed` as point_feed.hpp has them.
 template <class Prover, class Feed>
 class PipedRun {
  public:
   using Search = typename MapRun<Point, Prover>::Search;
-  /// Called where the search is likely to be asked for; returns at once. Empty where there is none.
+  /// Called if the search is likely to be needed; returns at once. Empty if there is none.
   using Announcement = std::function<void()>;
 
   /// All must outlive this.
@@ -172,7 +172,7 @@ class PipedRun {
     device::PointPipe& pipe_;
   };
 
-  // As many chunks as may be in flight, while there are some; false at the end.
+  // Submits as many chunks as may be in flight, while there are some; false at the end.
   bool fill(std::deque<PointChunk>& in_flight) {
     while (!ended_ && in_flight.size() < pipe_.depth()) {
       summary_.interrupted = options_.interrupted();
@@ -185,7 +185,7 @@ class PipedRun {
 
   static PointChunk nothing() { return {std::span<const Point>(), std::span<MapResult>()}; }
 
-  // Nothing at the end, or when the time is up.
+  // The next submitted chunk; nothing at the end, or when the time is up.
   PointChunk submitted() {
     out_of_time_ = options_.out_of_time && options_.out_of_time();
     if (out_of_time_) return nothing();
@@ -199,7 +199,7 @@ class PipedRun {
     throw Error(ErrorKind::failure, "the device refused points that are finite");
   }
 
-  // How many, from the first on, belong to the first one's block of the map.
+  // The number of blocks, from the first on, that belong to the first one's block of the map.
   static std::size_t of_one_block(std::span<const device::RowBlock> blocks) {
     const std::size_t beyond = blocks.front().first - blocks.front().first % rows_per_block + rows_per_block;
     const auto is_beyond = [beyond](const device::RowBlock& block) { return block.first >= beyond; };
@@ -234,8 +234,8 @@ class PipedRun {
     feed_.deliver(chunk, blocks.front().first, rows_of(blocks));
   }
 
-  // A few rows that a search may narrow, in a long map: there will be as many more as it is worth, and it is made ready
-  // while the host proves these.
+  // If a long map has a few rows that a search may narrow, it will have enough of them to be worthwhile; the search is
+  // made ready while the host proves these.
   static constexpr std::size_t enough_to_announce = 4;
 
   void announce_search(const PointChunk& chunk) {
@@ -289,7 +289,7 @@ class PipedRun {
   bool ended_ = false;        // no chunk is asked for any more
   MapSummary summary_ = empty_summary();
 
-  // What is open.
+  // The open rows.
   std::size_t open_inside_ = 0;  // so far
   std::vector<Point> queries_;
   std::vector<Enclosure> found_;
@@ -356,7 +356,7 @@ class PipedMap final : public ExactMap<Point> {
   }
 
  private:
-  // Of memory that is wider spread a chunk may span more than a device takes for one buffer.
+  // A chunk of more widely spread memory may span more than a device accepts for one buffer.
   static constexpr std::ptrdiff_t most_bytes_to_the_next = 4096;
 
   template <class Value>
@@ -392,8 +392,8 @@ class PipedMap final : public ExactMap<Point> {
     coming_search_.emplace([make = make_search_, device = *chosen_.device] { return make(device); });
   }
 
-  // Nothing where its kernels err on samples: the host then searches, and the other kernels stay in use. Nothing, for
-  // now, where the map is to end before they are compiled.
+  // Nothing if its kernels err on samples: the host then searches, and the other kernels stay in use. Nothing, for now,
+  // if the map is to end before they are compiled.
   device::Batch<Point>* ready_search() {
     try {
       begin_search();

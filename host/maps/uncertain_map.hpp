@@ -1,4 +1,4 @@
-/// Maps of uncertain models, by those that bracket them, and of uncertain poses.
+/// Maps of uncertain models, by their bracketing models, and of uncertain poses.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,9 +26,9 @@
 
 namespace verisq {
 
-// Maps of uncertain models: those of the models that bracket them, chunk by chunk, their rows combined.
+// Maps of uncertain models: the maps of their bracketing models, chunk by chunk, with combined rows.
 
-/// Of each model, or of each pair of models, that brackets.
+/// A map for each bracketing model, or for each pair of them.
 template <class Query>
 using BracketedMap = verify::Bracketed<std::unique_ptr<ExactMap<Query>>>;
 
@@ -39,7 +39,7 @@ struct MapRows {
   MapSummary summary;
 };
 
-/// What the maps of the bracketing models say of one chunk.
+/// The rows of the bracketing models' maps for one chunk.
 using BracketRows = verify::Bracketed<MapRows>;
 
 [[nodiscard]] inline std::vector<const MapRows*> each(const BracketRows& rows) {
@@ -84,7 +84,7 @@ template <class Query>
   return "the distance at the pose of translation " + verify::text_of(pose.translation);
 }
 
-/// Of distances that are never below 0.
+/// Combines distances that are never below 0.
 template <class Query>
 [[nodiscard]] Enclosure combined(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i,
                                  const Query& query) {
@@ -94,7 +94,7 @@ template <class Query>
 
 [[nodiscard]] inline Status combined_status(const Enclosure& distance, double tolerance,
                                             std::span<const MapRows* const> rows, std::size_t i) {
-  // The tightest of uncertain numbers is what the tightest of both ends leave.
+  // For uncertain numbers the tightest enclosure is given by the tightest enclosures of both ends.
   const auto is_wide = [i](const MapRows* of) { return of->results[i].status == Status::wide; };
   const bool tightest = tolerance == 0.0 && std::ranges::none_of(rows, is_wide);
   if (!verified(distance, tolerance) && !tightest) return Status::wide;
@@ -102,8 +102,8 @@ template <class Query>
   return std::ranges::all_of(rows, by_device) ? Status::device_verified : Status::host_verified;
 }
 
-/// The upper end's normals first, as certificates want it; each later normal proves what it can. An escape is that of
-/// `inflated` where there is one: what lies outside it lies outside every member.
+/// The upper end's normals first, as certificates require; each later normal proves what it can. An escape is that of
+/// `inflated` if there is one: a point outside of it lies outside every member.
 [[nodiscard]] inline Certificate merged(const BracketRows& rows, std::size_t i) {
   Certificate merged = rows.smallest.certificates[i];
   const auto add = [&](const Certificate& lower) {
@@ -119,11 +119,11 @@ template <class Query>
 template <class Query>
 class BracketMap {
  public:
-  /// `options` are those of the combined rows. Of a single member, `maps` is its map, made by the same options.
+  /// `options` are those of the combined rows. For a single member, `maps` is its map, made by the same options.
   BracketMap(const verify::MemberBounds& bounds, const MapOptions& options, BracketedMap<Query> maps)
       : bounds_(bounds), options_(options), maps_(std::move(maps)) {}
 
-  /// As Mapper::map.
+  /// Like Mapper::map.
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink) {
     if (bounds_.exact()) return maps_.smallest->map(source, sink);
     MapSummary summary = empty_summary();
@@ -191,13 +191,14 @@ class BracketMap {
   BracketedMap<Query> maps_;
 };
 
-// Maps of models at uncertain poses: rows at the nominal pose, widened by what the motions may change.
+// Maps of models at uncertain poses: rows at the nominal pose, widened by the largest change that the motions may
+// cause.
 
-/// What the motions change the distance of a query by, at most. `reach` is that of the model (of poses).
+/// The largest change of a query's distance by the motions. `reach` is that of the model (for poses).
 [[nodiscard]] inline double change_of(const PoseUncertainty& bounds, const Point& point, double /*reach*/) {
   return verify::DisplacedPoint(bounds, point).reach();
 }
-/// The motions are affine: no point of a triangle is taken farther than a corner.
+/// The motions are affine: no point of a triangle is moved farther than a corner.
 [[nodiscard]] inline double change_of(const PoseUncertainty& bounds, const Triangle& triangle, double /*reach*/) {
   double reach = 0.0;
   for (const Point& corner : triangle) reach = std::max(reach, verify::DisplacedPoint(bounds, corner).reach());
@@ -210,13 +211,13 @@ class BracketMap {
 template <class Query>
 class UncertainPoseMap {
  public:
-  /// `options` are those of the widened rows, `map` makes those at the nominal pose; `reach` is how far the motions
-  /// take the model. `convex` is given of points about an exact union of convex primitives.
+  /// `options` are those of the widened rows; `map` makes the rows at the nominal pose; `reach` is the largest distance
+  /// that the motions move the model. `convex` is given for points about an exact union of convex primitives.
   UncertainPoseMap(const MapOptions& options, double reach, BracketMap<Query> map,
                    std::optional<ConvexPoseRows> convex = {})
       : options_(options), reach_(reach), map_(std::move(map)), convex_(std::move(convex)) {}
 
-  /// As Mapper::map.
+  /// Like Mapper::map.
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink) {
     if (!options_.pose_uncertainty) return map_.map(source, sink);
     MapSummary summary = empty_summary();
@@ -243,7 +244,7 @@ class UncertainPoseMap {
   [[nodiscard]] const MapOptions& options() const { return options_; }
 
  private:
-  /// None, or fewer than the queries, if interrupted.
+  /// None, or fewer rows than queries, if interrupted.
   [[nodiscard]] std::vector<MapResult> map_chunk(std::span<const Query> queries, MapSummary& summary) {
     std::vector<MapResult> rows = changed_rows(queries, summary);
     if constexpr (std::same_as<Query, Point>) narrow(rows, queries, summary);
@@ -269,7 +270,7 @@ class UncertainPoseMap {
     return rows;
   }
 
-  /// To what convexity proves, too.
+  /// Narrows the rows to the enclosures that convexity proves, too.
   void narrow(std::vector<MapResult>& rows, std::span<const Point> queries,
               MapSummary& summary) requires(std::same_as<Query, Point>) {
     if (!convex_ || rows.size() != queries.size() || (options_.out_of_time && options_.out_of_time())) return;
@@ -299,7 +300,7 @@ class UncertainPoseMap {
     if (row.status == Status::wide) row.status = Status::host_verified;
   }
 
-  /// How many are filled; what the run took is added to the summary.
+  /// The number of filled rows; the run's statistics are added to the summary.
   [[nodiscard]] std::size_t nominal_rows(std::span<const Query> queries, std::span<MapResult> rows,
                                          MapSummary& summary) {
     const MapSummary run = map_.map_in_memory(queries, rows);

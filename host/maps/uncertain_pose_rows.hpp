@@ -15,14 +15,14 @@ namespace verisq {
 
 class ConvexPoseRows {
  public:
-  /// `options` are those of the maps of each solid at the nominal pose. Throws as the constructors of Mapper.
+  /// `options` are those of the maps of each solid at the nominal pose. Throws like the constructors of Mapper.
   /// Precondition: is_union_of_convex.
   ConvexPoseRows(const Model& model, const PoseUncertainty& bounds, const MapOptions& options);
   ~ConvexPoseRows();
   ConvexPoseRows(ConvexPoseRows&&) noexcept;
   ConvexPoseRows& operator=(ConvexPoseRows&&) noexcept;
 
-  /// Bounds of each point's distances at every pose; an end is infinite where nothing is proven. None if interrupted.
+  /// Bounds of each point's distances at every pose; an end is infinite if nothing is proven. None if interrupted.
   [[nodiscard]] std::vector<Enclosure> operator()(std::span<const Point> points);
 
  private:
@@ -38,10 +38,10 @@ class ConvexPoseRows {
 /// Fills the rows of as many points, with the model at its nominal pose; false: interrupted.
 using NominalRows = std::function<bool(std::span<const Point>, std::span<MapResult>)>;
 
-/// For each point an enclosure of its distances at every pose, and whether a device has proven all that it rests on
-/// (otherwise host_verified). Cubes are halved where the smallest or the largest distance may be, until their edges are
-/// 1/divisions of the first's; a cube's distances are those of its centre, more or less half its diagonal. None if
-/// interrupted; `enough`, polled between halvings, ends them early. Precondition: divisions >= 1.
+/// For each point an enclosure of its distances at every pose, with a status that states whether a device has proven
+/// all of its parts (otherwise host_verified). Cubes that may contain the smallest or the largest distance are halved,
+/// until their edges are 1/divisions of the first's. A cube's distances are those of its centre, more or less half its
+/// diagonal. None if interrupted; `enough`, polled between halvings, ends them early. Precondition: divisions >= 1.
 [[nodiscard]] std::vector<MapResult> subdivided(const PoseUncertainty& bounds, unsigned divisions,
                                                 std::span<const Point> points, const NominalRows& rows,
                                                 const std::function<bool()>& enough);

@@ -1,4 +1,4 @@
-/// What is asked of MPI, with errors as exceptions, and one map that all ranks of an MPI job make.
+/// The functions of MPI that are used, with errors as exceptions, and one map that all ranks of an MPI job make.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@
 
 namespace verisq::mpi {
 
-// What shared maps and cohorts ask of MPI, with errors as exceptions; mpi.h is included by communicator.cpp alone.
+// The functions of MPI for shared maps and cohorts, with errors as exceptions; only communicator.cpp includes mpi.h.
 
-/// MPI from its first call to its last. One of them in a program.
+/// MPI from its first call to its last. One object in a program.
 class Session {
  public:
   Session(int& argc, char**& argv);
@@ -30,12 +30,12 @@ class Session {
   [[nodiscard]] int local_rank() const { return local_rank_; }
 
   void wait_for_all() const;
-  /// The largest of what all ranks give.
+  /// The largest of all ranks' values.
   [[nodiscard]] std::uint64_t largest(std::uint64_t value) const;
   [[nodiscard]] double sum(double value) const;
-  /// What each rank gives, in their order, at rank 0; nothing at the others. Precondition: less than 2 GiB in all.
+  /// The texts of all ranks, in their order, at rank 0; nothing at the others. Precondition: less than 2 GiB in all.
   [[nodiscard]] std::vector<std::string> gathered(const std::string& text) const;
-  /// Of rank 0, to all.
+  /// Sends the bytes of rank 0 to all.
   void share(std::span<std::byte> bytes) const;
   /// Ends all ranks: others would wait for this one for ever.
   [[noreturn]] void abort(int status) const;
@@ -61,16 +61,16 @@ class Counter {
   std::unique_ptr<Window> window_;
 };
 
-/// A file that all ranks opened together, where each writes what is its own. Throws Error(failure).
+/// A file that all ranks opened together; each writes its own part. Throws Error(failure).
 class SharedFile {
  public:
-  /// Made where it is not there.
+  /// Creates the file if it does not exist.
   explicit SharedFile(const std::filesystem::path& path);
   ~SharedFile();
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
-  /// What it returns from outlives this process.
+  /// Written bytes outlive this process once it returns.
   void write_at(std::uint64_t position, std::span<const std::byte> bytes);
   void set_size(std::uint64_t bytes);  ///< to be called by all ranks
 
@@ -80,8 +80,8 @@ class SharedFile {
   std::unique_ptr<Handle> handle_;
 };
 
-// One map that all ranks of an MPI job make: blocks by a counter, rows of fixed size into one file, and what is
-// finished beside it, so that a job that was killed can go on.
+// One map that all ranks of an MPI job make: blocks by a counter, rows of fixed size into one file. A record of
+// finished parts lies beside it, so that a killed job can continue.
 
 /// Maps the rows of a range, in its order, and hands them on in pieces.
 using RangeMap = std::function<MapSummary(const RowRange&, const std::function<void(std::span<const MapResult>)>&)>;

@@ -43,7 +43,7 @@ using verify::TimeStretch;
 /// Centres of cubes stay exact: they have 10 bits below the root's half-width, and one more a level.
 constexpr double centre_bits = 0x1p10;
 constexpr int deepest_level = 30;
-/// Of the tolerance is left to the cubes that are not divided in a round.
+/// Share of the tolerance for the cubes that are not divided in a round.
 constexpr double share_of_rest = 0.5;
 /// Cubes that are divided between two polls.
 constexpr std::size_t cubes_between_polls = 256;

@@ -1,4 +1,4 @@
-/// A femur's head, neck, shaft and condyles, as a mesh of it shows them.
+/// A femur's head, neck, shaft and condyles, found on a mesh of it.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,15 +14,15 @@
 
 namespace verisq::features {
 
-// A femur's head and neck, and whether they are those of one.
+// A femur's head and neck, and tests that they belong to a femur.
 
 // The head of a femur: the sphere that most of its surface covers.
 
 struct HeadSphere {
   Eigen::Vector3d centre;
   double radius;
-  double coverage;           ///< share of the sphere that is the mesh's surface; of coarse meshes it may be above 1
-  std::size_t vertices = 0;  ///< of the mesh that lie on it
+  double coverage;           ///< share of the sphere that is the mesh's surface; it may be above 1 for coarse meshes
+  std::size_t vertices = 0;  ///< number of the mesh's vertices on it
 };
 
 inline constexpr double smallest_head = 12.0;  // mm: of a child
@@ -30,7 +30,7 @@ inline constexpr double largest_head = 35.0;
 /// Condyles cover less than a half of their spheres, heads more.
 inline constexpr double least_head_coverage = 0.42;
 
-/// The same for the same mesh. Precondition: triangles whose normals point outward.
+/// The same result for the same mesh. Precondition: triangles whose normals point outward.
 [[nodiscard]] std::optional<HeadSphere> head_sphere(const Mesh& mesh);
 
 // The neck of a femur: its narrowest section.
@@ -44,19 +44,18 @@ struct NeckSection {
   double distance;  ///< from the head's centre
 };
 
-/// Of the sections by planes that look at the head's centre. `towards_shaft`: roughly the neck, from the head, of
-/// length
-/// 1. Nothing where no plane cuts the neck in one closed curve.
+/// Searches the sections by planes that look at the head's centre. `towards_shaft` is roughly the direction of the
+/// neck, from the head, of length 1. Nothing if no plane cuts the neck in one closed curve.
 [[nodiscard]] std::optional<NeckSection> neck_section(const Mesh& mesh, const Eigen::Vector3d& head, double head_radius,
                                                       const Eigen::Vector3d& towards_shaft);
 
-// Which numbers a femur can have: what is found of a mesh and lies beyond them is a mistake of the search.
+// The possible proportions of a femur: a result beyond them is an error of the search.
 
-/// Throws Error(input) with the finding and why no femur has it: a sphere that is covered to more than the whole, or by
-/// a few vertices; a neck that is narrowest where the head begins.
+/// Throws Error(input) with the finding and the reason why no femur has it: a sphere of which more than the whole, or
+/// only a few vertices, is covered; a neck that is narrowest where the head begins.
 void check_head_and_neck(const HeadSphere& head, const NeckSection& neck);
 
-/// Likewise, with the range, of angles and of proportions to the head's radius.
+/// The same, with the range, for angles and for proportions to the head's radius.
 void check_proportions(const FemurLandmarks& landmarks, std::optional<Side> side);
 
 // A femur's sections, its shaft's axis and its condyles.
@@ -73,30 +72,30 @@ struct Plane {
 struct SectionCurve {
   double perimeter;
   double area;
-  Eigen::Vector3d centroid;  ///< of the area
+  Eigen::Vector3d centroid;  ///< centroid of the area
   std::vector<Eigen::Vector3d> points;
 };
 
-/// Of a closed, oriented mesh whose normals point outward; curves that do not close are left out.
+/// The sections of a closed, oriented mesh whose normals point outward; curves that do not close are left out.
 [[nodiscard]] std::vector<SectionCurve> plane_section(const Mesh& mesh, const Plane& plane);
 
-/// Of the curve that runs around the point, a point of the plane, whether it is in its area.
+/// Returns whether the curve runs around the point, a point of the plane.
 [[nodiscard]] bool encloses(const SectionCurve& curve, const Plane& plane, const Eigen::Vector3d& point);
 
-// The axis of a femur's shaft, and where the shaft ends.
+// The axis of a femur's shaft, and the ends of the shaft.
 
 struct ShaftAxis {
   Eigen::Vector3d point;      ///< on the axis, in the middle of the shaft
   Eigen::Vector3d direction;  ///< of length 1, towards the head
-  double distal;              ///< where the shaft ends, along the direction from the point
+  double distal;              ///< the shaft's end, along the direction from the point
   double proximal;
-  double area;         ///< of the narrowest section
+  double area;         ///< area of the narrowest section
   double distal_area;  ///< largest section between the shaft and the mesh's distal end
-  double distal_end;   ///< where the mesh ends, along the direction from the point
+  double distal_end;   ///< the mesh's end, along the direction from the point
 };
 
-/// By the centroids of sections across the axis, from `head` downward where the shaft is narrow. `along`: roughly the
-/// axis, towards the head. Nothing where there are too few sections.
+/// Found by the centroids of sections across the axis, from `head` downward where the shaft is narrow. `along` is
+/// roughly the axis, towards the head. Nothing if there are too few sections.
 [[nodiscard]] std::optional<ShaftAxis> shaft_axis(const Mesh& mesh, const Eigen::Vector3d& head, double head_radius,
                                                   const Eigen::Vector3d& along);
 

@@ -1,4 +1,4 @@
-/// What is made of a femur's landmarks: an implant's own points, axes as a model, regions of the mesh.
+/// Results from a femur's landmarks: an implant's own points, axes as a model, regions of the mesh.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace verisq::features {
 
-// The points of an implant that say what it changes of a femur, where its file does not name them all.
+// The points of an implant that determine its changes of a femur, if its file does not name them all.
 
 struct ImplantPoints {
   FemurLandmarks points;
-  std::vector<std::string> notes;  ///< of head and neck, where each comes from
+  std::vector<std::string> notes;  ///< the origins of the head's and the neck's point
 };
 
 /// A primitive and the point that is its centre.
@@ -23,14 +23,14 @@ struct NamedCentre {
   Point centre;
 };
 
-/// Primitives whose centres are head and neck, before what the file names; "": the file's, else those of the usual
-/// names, "head" and "neck".
+/// The primitives whose centres are head and neck; they take precedence over the file's points. "": the file's points,
+/// else the primitives of the usual names, "head" and "neck".
 struct HeadAndNeck {
   std::string head = {};
   std::string neck = {};
 };
 
-/// `named`: what the file names. Precondition: primitives that are asked for by name are among the centres.
+/// `named` are the file's points. Precondition: primitives requested by name are among the centres.
 [[nodiscard]] ImplantPoints implant_points(const FemurLandmarks& named, const std::vector<NamedCentre>& centres,
                                            const HeadAndNeck& asked = {});
 
@@ -39,12 +39,12 @@ struct HeadAndNeck {
 /// The name of the head's sphere.
 inline constexpr const char* drawn_head = "head";
 
-/// The head's sphere, and a rod along each axis that the landmarks make: no primitives where there is none of these.
+/// The head's sphere, and a rod along each axis that the landmarks determine: no primitives if there are none of these.
 [[nodiscard]] Model drawn_axes(const FemurLandmarks& landmarks);
 
-// Which part of a bone each triangle of its mesh belongs to: to say where something is.
+// The part of a bone to which each triangle of its mesh belongs: for statements about places.
 
-/// A triangle belongs where its centroid lies; `names` in the order of the indices.
+/// A triangle belongs to the part that contains its centroid; `names` in the order of the indices.
 struct Regions {
   std::vector<std::string> names;
   std::vector<std::uint32_t> of_triangles;
@@ -56,7 +56,7 @@ struct Regions {
 [[nodiscard]] Regions femur_regions(const Mesh& mesh, const FemurLandmarks& landmarks);
 
 /// Equal parts of the extent along the direction in which the surface spreads most, whose largest coordinate is
-/// positive; named by where they begin and end. Precondition: count > 0, the mesh has triangles.
+/// positive; named by their beginnings and ends. Precondition: count > 0, the mesh has triangles.
 [[nodiscard]] Regions parts_along(const Mesh& mesh, std::uint32_t count);
 
 }  // namespace verisq::features

@@ -32,7 +32,7 @@ struct Extent {
   }
 };
 
-/// At the origin for no points at all.
+/// The extent of no points lies at the origin.
 [[nodiscard]] inline Extent extent_of(std::span<const Point> points) {
   if (points.empty()) return {};
   Extent extent{points.front(), points.front()};
@@ -45,9 +45,9 @@ struct Extent {
   return extent;
 }
 
-// Of three axes: how large the box is that they span, and which hand they are of.
+// For three axes: the volume of the box that they span, and their handedness.
 
-/// a·(b × c), to nearest: negative where they are left-handed.
+/// a·(b × c), to nearest: negative if they are left-handed.
 [[nodiscard]] inline double determinant(const std::array<Point, 3>& axes) {
   const auto& [a, b, c] = axes;
   return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -55,7 +55,7 @@ struct Extent {
 
 // The sign of the volume of a mesh, at every size.
 
-/// That of `signed_volume`, 1, -1 or 0, also where the volume underflows or overflows.
+/// The sign of `signed_volume`, 1, -1 or 0, also if the volume underflows or overflows.
 [[nodiscard]] int volume_sign(const Mesh& mesh);
 [[nodiscard]] int volume_sign(const Mesh& mesh, const Point& apex);
 

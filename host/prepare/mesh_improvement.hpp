@@ -38,29 +38,29 @@ using TriangleCorners = std::array<Eigen::Vector3d, 3>;
   return doubled_area(a).stableNormalized().dot(doubled_area(b).stableNormalized());
 }
 
-// How far triangles are from a solid's surface, at points of them: an estimate, which proves nothing.
+// The distances of triangles from a solid's surface, at points of them: an estimate, which proves nothing.
 
-/// Of the points of a triangle: weights in steps of 1/`steps`, without the corners.
+/// The sampled points of a triangle: weights in steps of 1/`steps`, without the corners.
 enum class Sampling : int { coarse = 2, usual = 3, fine = 6 };
 
-/// How many points that are.
+/// The number of these points.
 [[nodiscard]] constexpr std::size_t samples_of(Sampling sampling) {
   const auto steps = static_cast<std::size_t>(sampling);
   return (steps + 1) * (steps + 2) / 2 - 3 + (steps % 3 == 0 ? 0 : 1);
 }
 
-/// Whether points of the triangle are found to be at most `deviation` away from the surface.
+/// Returns whether the sampled points of the triangle are found to be at most `deviation` away from the surface.
 [[nodiscard]] bool within(const Solid& solid, const TriangleCorners& triangle, double deviation, Sampling sampling);
 
-/// The least of a sequence of bounds, each 1/8 above the one before from `least` on, that `within` finds to hold; at
-/// most `most`.
+/// The least of a sequence of bounds that `within` finds to hold, at most `most`. The sequence starts at `least`, and
+/// each bound is 1/8 above the one before.
 [[nodiscard]] double sampled_deviation(const Solid& solid, const TriangleCorners& triangle, double least, double most,
                                        Sampling sampling);
 
 // Moves vertices of a surface onto the creases where two primitives meet, so that no edge runs across.
 
-/// Of each edge between vertices of two primitives the one nearer to the crease, where no triangle then turns over or
-/// loses its area. Returns for each vertex whether it was moved; once interrupted, no more are.
+/// For each edge between vertices of two primitives, moves the vertex nearer to the crease onto it, if no triangle then
+/// turns over or loses its area. Returns for each vertex whether it was moved; once interrupted, no more are moved.
 std::vector<bool> snap_to_creases(const Solid& solid, TetrahedraSurface& surface,
                                   const std::function<bool()>& interrupted);
 
@@ -71,10 +71,10 @@ struct Triangles {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Collapses edges onto one of their ends, short ones first, while the topology stays (link condition: Dey,
-/// Edelsbrunner et al., Topology preserving edge contraction, 1999), no triangle turns over, every vertex taken out is
-/// within `deviation` of the triangles that replace it, and these, at points of them, of the solid. Stops early, with a
-/// valid surface, where `interrupted` says so.
+/// Collapses edges onto one of their ends, short ones first. The topology must stay (link condition: Dey, Edelsbrunner
+/// et al., Topology preserving edge contraction, 1999), and no triangle may turn over. Every removed vertex must be
+/// within `deviation` of the triangles that replace it, and these, at sampled points, of the solid. Stops early, with a
+/// valid surface, once `interrupted` returns true.
 [[nodiscard]] Triangles collapse_edges(const Solid& solid, Triangles surface, double deviation,
                                        const std::function<bool()>& interrupted);
 

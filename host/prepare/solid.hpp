@@ -13,7 +13,7 @@
 
 namespace verisq::tessellation {
 
-// One primitive in the model's frame, to nearest: points of its surface, and what lies inside. Proves nothing.
+// One primitive in the model's frame, to nearest: points of its surface, and its interior. Proves nothing.
 
 /// A direction in quarter turns: longitude from x to y, latitude in [-1, 1] from the x-y plane towards z.
 struct SurfaceParameters {
@@ -33,9 +33,9 @@ class PlacedPrimitive {
   /// Continuous, of the sign of the signed distance, and for exponents up to 1 hardly larger: in lengths of the model.
   [[nodiscard]] double level(const Eigen::Vector3d& point) const;
 
-  /// Of a ball about `centre()` that contains the primitive.
+  /// Radius of a ball about `centre()` that contains the primitive.
   [[nodiscard]] double radius() const { return (semi_axes_[0] + semi_axes_[1]) * (1.0 + std::abs(k_)) + semi_axes_[2]; }
-  /// Of the thinner end.
+  /// The smallest semi-axis at the thinner end.
   [[nodiscard]] double smallest_semi_axis() const {
     return std::min(std::min(semi_axes_[0], semi_axes_[1]) * (1.0 - std::abs(k_)), semi_axes_[2]);
   }
@@ -70,11 +70,12 @@ class PlacedPrimitive {
 
 // One primitive's surface as a grid of longitudes and latitudes, as fine as the surface is curved.
 
-/// Closed, manifold, outward by the right-hand rule; vertices lie on the surface, some of them on its edges and
-/// corners. Between them it is about `deviation` away at most.
+/// Closed, manifold, outward by the right-hand rule. Vertices lie on the surface, some of them on its edges and
+/// corners; between them the mesh is at most about `deviation` away.
 [[nodiscard]] Mesh parametric_surface(const PlacedPrimitive& primitive, double deviation);
 
-// A model's solid to nearest: which points it contains, by which primitive; and its surface along a line.
+// A model's solid to nearest: the points that it contains, the primitive that contains them, and its surface along a
+// line.
 
 class Solid {
  public:
@@ -85,7 +86,7 @@ class Solid {
 
   [[nodiscard]] bool contains(const Eigen::Vector3d& point) const;
 
-  /// The same of a point of which it is known whether primitive k contains it.
+  /// The same for a point for which it is known whether primitive k contains it.
   [[nodiscard]] bool contains(const Eigen::Vector3d& point, std::size_t k, bool in_k) const;
 
   /// `PlacedPrimitive::level` through the set operations, at most 0 in the solid, and the primitive that decides it.
@@ -98,12 +99,12 @@ class Solid {
   /// The direction in which the level grows, of unit length, from differences over `step`; zero where there is none.
   [[nodiscard]] Eigen::Vector3d outward(const Eigen::Vector3d& point, double step) const;
 
-  /// Where the line from `inside` to `outside` leaves the solid: in fractions of the way. Precondition: the solid
-  /// contains the one and not the other.
+  /// The place at which the line from `inside` to `outside` leaves the solid, as a fraction of the way. Precondition:
+  /// the solid contains `inside` and does not contain `outside`.
   [[nodiscard]] double crossing(const Eigen::Vector3d& inside, const Eigen::Vector3d& outside) const;
 
   /// The point of the surface nearest to `point` on the line through it, at most `reach` away; `outward`, of unit
-  /// length, leads out of the solid there. Nothing where both ends are inside or outside.
+  /// length, leads out of the solid there. Nothing if both ends are inside or outside.
   [[nodiscard]] std::optional<Eigen::Vector3d> surface_along(const Eigen::Vector3d& point,
                                                              const Eigen::Vector3d& outward, double reach) const;
 

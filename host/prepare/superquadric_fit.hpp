@@ -15,16 +15,16 @@
 
 namespace verisq::recovery {
 
-// One step of Levenberg and Marquardt's method for a shape, within what the parameters may be.
+// One step of Levenberg and Marquardt's method for a shape, within the allowed range of the parameters.
 
-/// The sums over all points that a step is made of: of w J J^T and w r J. N parameters vary, or are 0.
+/// The sums over all points that determine a step: of w J J^T and w r J. N parameters vary, or are 0.
 template <int N>
 struct NormalEquations {
   Eigen::Matrix<double, N, N> matrix;
   Eigen::Matrix<double, N, 1> gradient;
 };
 
-/// No parameter goes farther at once than the linear equations can be right for; `size` is the cloud's.
+/// Limits each parameter to the range in which the linear equations can be right; `size` is the cloud's.
 [[nodiscard]] inline Step shortened(Step step, double size) {
   const double largest =
       std::max({step.segment<3>(0).norm() / (0.5 * size), step.segment<3>(3).norm() / 0.5,
@@ -66,9 +66,9 @@ template <int N>
   return shortened(step, size);
 }
 
-inline constexpr double smallest_axis = 1e-3;  ///< of the cloud's size
-inline constexpr double largest_axis = 3.0;    ///< of a shape that is seen in part
-inline constexpr double largest_part = 1.1;    ///< of a part of what is seen as a whole
+inline constexpr double smallest_axis = 1e-3;  ///< share of the cloud's size
+inline constexpr double largest_axis = 3.0;    ///< for a shape that is seen in part
+inline constexpr double largest_part = 1.1;    ///< for a part of a shape that is seen as a whole
 
 /// Semi-axes in proportion to the cloud's size, and a bend that keeps well away from its limits (Bend).
 [[nodiscard]] inline Shape limited(Shape shape, double size, double largest = largest_axis) {
@@ -79,8 +79,8 @@ inline constexpr double largest_part = 1.1;    ///< of a part of what is seen as
   return shape;
 }
 
-// Fits one shape to points, some of which may belong to nothing: the likelihood of a mixture of the shape's surface
-// with noise and of outliers, climbed by expectation maximisation and Levenberg and Marquardt's method.
+// Fits one shape to points, some of which may be outliers. It climbs the likelihood of a mixture of the shape's surface
+// with noise and of outliers, by expectation maximisation and Levenberg and Marquardt's method.
 
 /// A point belongs to the surface with the probability 1 - outliers, and then lies `noise` from it, normally
 /// distributed; else anywhere in the cloud's box.
@@ -91,7 +91,7 @@ struct Mixture {
 
 struct MixtureOptions {
   Family family = Family::plain;
-  double size;              ///< of the cloud, a length: steps and semi-axes are limited in proportion to it
+  double size;              ///< size of the cloud, a length: steps and semi-axes are limited in proportion to it
   double area_over_volume;  ///< about the surface's area over the box's volume, 1/length
   double least_noise;       ///< the noise is never taken for less
   double most_outliers = 0.6;
@@ -114,12 +114,11 @@ struct MixtureFit {
 [[nodiscard]] MixtureFit assess(std::span<const Eigen::Vector3d> points, const Shape& shape, const Mixture& mixture,
                                 const MixtureOptions& options);
 
-// Shapes that look much like a given one but are far from it in the search's parameters: where another optimum may
-// be ("switching" of Liu et al., CVPR 2022).
+// Shapes that look much like a given one but are far from it in the search's parameters: another optimum may be near
+// them ("switching" of Liu et al., CVPR 2022).
 
 /// Another axis as z, and the section turned by 45 degrees with its exponent on the other side of 1: a square is a
-/// rhombus too. Where the points of the fit end well before the shape does, also shapes that end with them, or half
-/// way.
+/// rhombus too. If the points of the fit end well before the shape does, also shapes that end with them, or half way.
 [[nodiscard]] std::vector<Shape> alternative_shapes(const MixtureFit& fit, std::span<const Eigen::Vector3d> points);
 
 // One shape for a cloud: from many starts on a part of its points, the best of them on all.

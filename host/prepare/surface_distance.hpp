@@ -65,7 +65,7 @@ namespace verisq::recovery {
   return power * 0x1.62e42fefa39efp-1 + 2.0 * s * sum;
 }
 
-// A superquadric as the search of a recovery varies it: a centre, a rotation, and what Superquadric and Bend hold.
+// A superquadric as the search of a recovery varies it: a centre, a rotation, and the members of Superquadric and Bend.
 
 /// A point p of the cloud is R^T (p - centre) in the shape's own frame.
 struct Shape {
@@ -81,10 +81,10 @@ struct Shape {
 inline constexpr double smallest_exponent = 0.004;
 inline constexpr double largest_exponent = 2.0;
 
-/// As a model file has it.
+/// The primitive in the form of a model file.
 [[nodiscard]] Primitive primitive_of(const Shape& shape, const std::string& name);
 
-/// The union of one or more, whose names say their places.
+/// The union of one or more shapes; the primitives' names state their places.
 [[nodiscard]] Model model_of(std::span<const Shape> shapes);
 
 /// The inverse of `primitive_of`, up to rounding.
@@ -92,7 +92,7 @@ inline constexpr double largest_exponent = 2.0;
 
 // Gauge of a straight, perhaps tapered superquadric with its derivatives at one point, without branches.
 
-/// What all points share.
+/// The numbers that all points share.
 struct GaugeConstants {
   explicit GaugeConstants(const Shape& shape)
       : reciprocal_x(1.0 / shape.axes[0]),
@@ -113,17 +113,17 @@ struct GaugeConstants {
 };
 
 /// f = h(x, y, z + k a3) - (1 + k z/a3), h the gauge: 0 on the surface of the tapered solid, convex
-/// (docs/mathematics.md §18), and its derivatives. `derivatives_of_distance` makes of them those of f/|gradient|.
+/// (docs/mathematics.md §18), and its derivatives. `gauge_at<true>` gives derivatives of f/|gradient| instead.
 struct GaugeAt {
   double value;                               ///< f
   double x, y, z;                             ///< the gradient
   double by_x = 0.0, by_y = 0.0, by_z = 0.0;  ///< by ln a1, ln a2, ln a3
   double by_along = 0.0, by_section = 0.0;    ///< by e1, e2
   double by_taper = 0.0;                      ///< by k
-  double length = 0.0;                        ///< of the gradient
+  double length = 0.0;                        ///< length of the gradient
 };
 
-/// N = (a^p + b^p)^(1/p) with p = 2/e. Of its logarithm: the derivative by ln a is `share`, by ln b `other_share`, by e
+/// N = (a^p + b^p)^(1/p) with p = 2/e. The derivative of its logarithm by ln a is `share`, by ln b `other_share`, by e
 /// half the entropy of the two.
 struct PlanarNorm {
   double value;
@@ -146,9 +146,9 @@ struct PlanarNorm {
           logarithm - of_smaller * exponent, a > b ? -exponent : exponent};
 }
 
-/// At a point of the shape's own frame. With `of_distance`, all derivatives and the gradient are those of the quotient
-/// f/|gradient|, times |gradient|: |gradient| changes with a parameter as the derivative of f by that parameter changes
-/// along the unit normal n, and those changes follow from the shares' logarithms.
+/// The gauge at a point of the shape's own frame. With `of_distance`, all derivatives and the gradient are those of the
+/// quotient f/|gradient|, times |gradient|. |gradient| changes with a parameter as the derivative of f by that
+/// parameter changes along the unit normal n. Those changes follow from the shares' logarithms.
 template <bool of_distance>
 [[gnu::always_inline]] inline GaugeAt gauge_at(const GaugeConstants& shape, double x, double y, double z) {
   constexpr double tiny = 1e-30;          // stands for 0 where a logarithm is taken
@@ -211,15 +211,15 @@ template <bool of_distance>
   return at;
 }
 
-// The signed distance of a point to a shape's surface to first order, and its derivatives: what recoveries minimise.
+// The signed distance of a point to a shape's surface to first order, and its derivatives: recoveries minimise it.
 
-/// What a step of the search changes, in this order: the centre along the shape's axes, a rotation vector in the
-/// shape's frame (R becomes R exp[w]), the logarithms of the semi-axes, the exponents, the taper's k, the bend's
-/// curvature along x and y.
+/// The parameters that a step of the search changes, in this order: the centre along the shape's axes, a rotation
+/// vector in the shape's frame (R becomes R exp[w]), the logarithms of the semi-axes, the exponents, the taper's k, the
+/// bend's curvature along x and y.
 inline constexpr int most_parameters = 14;
 using Step = Eigen::Matrix<double, most_parameters, 1>;
 
-/// Which of them vary.
+/// The parameters that vary.
 enum class Family : std::uint8_t { plain, tapered, bent, bent_tapered };
 [[nodiscard]] constexpr bool tapers(Family family) {
   return family == Family::tapered || family == Family::bent_tapered;
@@ -233,12 +233,12 @@ enum class Family : std::uint8_t { plain, tapered, bent, bent_tapered };
   return with_taper ? Family::tapered : Family::plain;
 }
 
-/// f = (gauge - 1)/|gradient|, of a tapered solid f = (h - s)/|gradient| as in docs/mathematics.md §18: exact of
-/// spheres, and next to faces of boxes and octahedra; elsewhere its error is of second order in the distance (Taubin,
-/// PAMI 1991). The derivatives are those of the numerator, so exact on the surface.
+/// f = (gauge - 1)/|gradient|, for a tapered solid f = (h - s)/|gradient| as in docs/mathematics.md §18. It is exact
+/// for spheres, and next to faces of boxes and octahedra; elsewhere its error is of second order in the distance
+/// (Taubin, PAMI 1991). The derivatives are those of the numerator, so exact on the surface.
 struct SurfaceDistance {
   double value;
-  Step derivatives;  ///< of a family: those that do not vary are 0
+  Step derivatives;  ///< for a family: derivatives by parameters that do not vary are 0
 };
 
 /// One shape, prepared for many points. Precondition: |curvature| times the distance of a point from the z axis below

@@ -17,17 +17,17 @@ namespace verisq::recovery {
 
 // Points spread evenly over the surface of a shape.
 
-/// In [0, 1). std::mt19937_64 is fixed by the standard, its distributions are not.
+/// A number in [0, 1). The standard fixes std::mt19937_64, but not its distributions.
 [[nodiscard]] inline double fraction(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-/// `count` independent points, uniform by area where the shape is neither tapered nor bent: directions are drawn, and
-/// kept in proportion to the area that they stand for. Tapers and bends then move them.
+/// `count` independent points, uniform by area if the shape is neither tapered nor bent. Directions are drawn, and kept
+/// in proportion to the area that they represent. Tapers and bends then move the points.
 [[nodiscard]] std::vector<Eigen::Vector3d> sample_surface(const Shape& shape, std::size_t count,
                                                           std::mt19937_64& random);
 
-/// At most about `count` points of the union's surface: those of its primitives that lie in no other.
+/// At most about `count` points of the union's surface: points of its primitives that lie in no other primitive.
 [[nodiscard]] std::vector<Eigen::Vector3d> sample_union(std::span<const Shape> shapes, std::size_t count,
                                                         std::mt19937_64& random);
 
@@ -47,7 +47,7 @@ struct GridSample {
 /// mesh.
 [[nodiscard]] GridSample sample_space(const Mesh& mesh, std::size_t count);
 
-// Where a cloud lies and how far it reaches: what the first shapes of a search are made of.
+// The place and extent of a cloud: the first shapes of a search are made from them.
 
 /// The points whose neighbourhoods are nearly as dense as most others': on a surface, not strewn about it. Compares all
 /// pairs: for thousands of points at most.
@@ -65,17 +65,18 @@ struct OrientedBox {
 /// Leaves out one point in a hundred on each side. Precondition: at least one point.
 [[nodiscard]] OrientedBox box_along(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes);
 
-// How far samples of two surfaces lie apart, in floating point.
+// The distances of samples of two surfaces, in floating point.
 
-/// Of the points to the boundary of the union of the shapes, to first order. Precondition: at least one point.
+/// The distances of the points to the boundary of the union of the shapes, to first order. Precondition: at least one
+/// point.
 [[nodiscard]] EstimatedDeviation deviation_to_union(std::span<const Eigen::Vector3d> points,
                                                     std::span<const Shape> shapes);
 
-/// Of samples of the union's boundary to the mesh; nothing when it has none.
+/// The distances of samples of the union's boundary to the mesh; nothing if it has none.
 [[nodiscard]] std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes,
                                                                   const verify::TriangleTree& mesh, std::uint64_t seed);
 
-/// Both. `mesh` may be null: a cloud has none.
+/// Both deviations. `mesh` may be null, for a cloud.
 [[nodiscard]] RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points,
                                      const verify::TriangleTree* mesh, std::uint64_t seed);
 

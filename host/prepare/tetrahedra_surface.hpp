@@ -38,10 +38,10 @@ class BisectedTetrahedra {
   [[nodiscard]] const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }
   [[nodiscard]] const std::vector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
   [[nodiscard]] bool is_leaf(std::uint32_t k) const { return tetrahedra_[k].first_child == 0; }
-  /// Of the longest edge.
+  /// The length of the longest edge.
   [[nodiscard]] double size(std::uint32_t k) const;
 
-  /// Bisects these, once each, where they are leaves, and as many more as it takes that no vertex lies on an edge.
+  /// Bisects these, once each, if they are leaves, and as many more as are needed so that no vertex lies on an edge.
   void bisect(std::span<const std::uint32_t> marked);
 
   /// The leaf that contains the point, for points in the cube.
@@ -59,27 +59,27 @@ class BisectedTetrahedra {
   std::unordered_map<std::uint64_t, std::uint32_t> middles_;  // of edges that were bisected
 };
 
-// Marching tetrahedra: a solid's surface in a grid of them, one vertex on each edge that leaves the solid.
+// Marching tetrahedra: a solid's surface in a grid of tetrahedra, one vertex on each edge that leaves the solid.
 
-/// Vertices lie inside edges, triangles inside tetrahedra that meet face to face: where the grid's boundary is outside
-/// the solid, the triangles bound a solid, closed, manifold and without intersections.
+/// Vertices lie inside edges, triangles inside tetrahedra that meet face to face. If the grid's boundary is outside the
+/// solid, the triangles bound a solid, closed, manifold and without intersections.
 struct TetrahedraSurface {
   std::vector<Eigen::Vector3d> vertices;
-  std::vector<std::size_t> primitives;                  ///< of each vertex: on whose surface it lies
+  std::vector<std::size_t> primitives;                  ///< for each vertex: the primitive on whose surface it lies
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< outward
-  std::vector<std::uint32_t> tetrahedra;                ///< of each triangle
+  std::vector<std::uint32_t> tetrahedra;                ///< for each triangle
 };
 
-/// Remembers what it evaluated, for the next time when the grid is finer.
+/// Remembers its evaluations for the next call with a finer grid.
 class SurfaceMarcher {
  public:
   /// Both must outlive it.
   SurfaceMarcher(const Solid& solid, const BisectedTetrahedra& grid) : solid_(solid), grid_(grid) {}
 
-  /// Interrupted (polled, also by several threads at once), a part of it.
+  /// Once interrupted (polled, also by several threads at once), only a part of the surface.
   [[nodiscard]] TetrahedraSurface surface(const std::function<bool()>& interrupted);
 
-  /// Whether the solid contains a vertex of the grid. After `surface`, or `classify`.
+  /// Returns whether the solid contains a vertex of the grid. After `surface`, or `classify`.
   [[nodiscard]] bool inside(std::uint32_t vertex) const { return inside_[vertex] != 0; }
   void classify(const std::function<bool()>& interrupted);
 

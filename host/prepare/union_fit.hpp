@@ -15,31 +15,31 @@ namespace verisq::recovery {
 
 // Several shapes at once: their union's surface through the samples of a surface, its inside where the inside is.
 
-/// What the union is to match. Inside and outside may be empty: of clouds they are not known.
+/// The samples that the union is to match. Inside and outside may be empty: for clouds they are not known.
 struct UnionSamples {
   std::vector<Eigen::Vector3d> surface;
   std::vector<Eigen::Vector3d> inside;
   std::vector<Eigen::Vector3d> outside;
-  /// Of each sample outside, how far it is from the surface beyond what a grid cannot tell: a primitive that reaches
-  /// there is so much too long, however thin it is.
+  /// For each sample outside: its distance from the surface beyond the resolution of a grid. A primitive that reaches
+  /// it is too long by that, however thin it is.
   std::vector<double> beyond;
 };
 
 struct UnionOptions {
   Family family = Family::plain;
-  double size = 0.0;           ///< of the cloud, a length
-  double outlier_ratio = 0.0;  ///< as MixtureTerms::ratio at a noise of `noise`; 0: squares alone
+  double size = 0.0;           ///< size of the cloud, a length
+  double outlier_ratio = 0.0;  ///< like MixtureTerms::ratio at a noise of `noise`; 0: squares alone
   double noise = 1.0;
   /// Points of cones and edges of wedges reach far out of a solid between the samples of the space: less than 2 has
   /// none.
   double largest_exponent = recovery::largest_exponent;
-  double inside_weight = 1.0;   ///< of a sample inside, where one of the surface has 1
-  double outside_weight = 1.0;  ///< likewise
+  double inside_weight = 1.0;   ///< weight of a sample inside, where one of the surface has 1
+  double outside_weight = 1.0;  ///< weight of a sample outside
 };
 
-/// The signed distance of a union is the least of its primitives'. Its square is summed over the samples of the surface
-/// and, where the sign is wrong, over those inside and outside. Each sample depends on one primitive, so steps are
-/// taken primitive by primitive.
+/// The signed distance of a union is the least of its primitives' distances. Its square is summed over the samples of
+/// the surface and, if the sign is wrong, over those inside and outside. Each sample depends on one primitive, so steps
+/// are taken primitive by primitive.
 class UnionFit {
  public:
   /// `samples` must stay.
@@ -54,18 +54,18 @@ class UnionFit {
   [[nodiscard]] const UnionOptions& options() const { return options_; }
   [[nodiscard]] const UnionSamples& samples() const { return *samples_; }
 
-  /// Which parameters the next sweeps change.
+  /// Sets the parameters that the next sweeps change.
   void vary(Family family) { options_.family = family; }
   void allow_exponents(double largest) { options_.largest_exponent = largest; }
   void replace(std::size_t primitive, const Shape& shape);
   void add(const Shape& shape);
   void remove(std::size_t primitive);
 
-  /// Of all samples, surface before inside before outside: the union's distance, and the primitive that it is of.
+  /// For all samples, surface before inside before outside: the union's distance, and the primitive that decides it.
   [[nodiscard]] std::vector<double> distances() const;
   [[nodiscard]] std::vector<std::size_t> owners() const;
-  /// What a sample at that distance of the union counts for: its distance, or 0 where the sign is right; of one
-  /// outside, `beyond` on top.
+  /// The contribution of a sample at that distance of the union: its distance, or 0 if the sign is right; for a sample
+  /// outside, `beyond` is added.
   [[nodiscard]] double residual(std::size_t sample, double distance) const;
 
  private:
@@ -87,19 +87,19 @@ class UnionFit {
   double cost_ = 0.0;
 };
 
-// What a closed mesh says of the space about it, for the fit of a union.
+// Samples of the space about a closed mesh, for the fit of a union.
 
 /// Adds a grid's points inside and outside; `tree` is of the mesh's triangles. Precondition: a closed mesh.
 void add_space(const Mesh& mesh, const verify::TriangleTree& tree, UnionSamples& samples);
 
-// Unions of one primitive after the other: each time the best of many ways to divide one, or to add one.
+// Unions with one primitive after the other: each time the best of many ways to divide a primitive, or to add one.
 
-/// With one primitive more, refined. Deterministic, candidates share the processors. `interrupted` ends it early, with
-/// what is best by then.
+/// The fit with one primitive more, refined. Deterministic; candidates share the processors. `interrupted` ends it
+/// early, with the best fit by then.
 [[nodiscard]] UnionFit grown(const UnionFit& fit, const std::function<bool()>& interrupted);
 
-/// With as many primitives: one more, and without the one that is missed least then. It may be the worse for that.
-/// Precondition: at least two.
+/// The fit with as many primitives: one is added, and the one that is then missed least is removed. It may be worse for
+/// that. Precondition: at least two.
 [[nodiscard]] UnionFit exchanged(const UnionFit& fit, const std::function<bool()>& interrupted);
 
 /// Sweeps and alternatives of single primitives until nothing is gained.

@@ -1,5 +1,5 @@
-/// The normal equations of a straight shape over many points at once: eight at a time, for whatever vectors the
-/// processor has, with the same bits on all of them.
+/// The normal equations of a straight shape over many points at once: eight at a time, for the vectors of any
+/// processor, with the same bits on all of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,10 +24,10 @@ struct PointBlock {
 
 [[nodiscard]] std::vector<PointBlock> blocks_of(std::span<const Eigen::Vector3d> points);
 
-/// Of each of the points, how many of them, itself included, are nearer than the root of `squared_radius`.
+/// For each point, the number of points, itself included, that are nearer than the root of `squared_radius`.
 [[nodiscard]] std::vector<std::int64_t> counts_within(std::span<const Eigen::Vector3d> points, double squared_radius);
 
-/// An inlier's likelihood at the distance r is exp(-precision r^2), that of an outlier `ratio`.
+/// An inlier's likelihood at the distance r is exp(-precision r^2), an outlier's is `ratio`.
 struct MixtureTerms {
   double precision;
   double ratio;
@@ -57,7 +57,7 @@ struct WeightedSums {
 void distances_to(std::span<const PointBlock> blocks, const Shape& shape, std::span<double> distances);
 
 /// Along the shape's axes, from the least to the greatest coordinate of the points whose distances are no larger than
-/// `farthest`; -infinity where there are none.
+/// `farthest`; -infinity if there are none.
 [[nodiscard]] Eigen::Vector3d extent_of(std::span<const PointBlock> blocks, const Shape& shape,
                                         std::span<const double> distances, double farthest);
 

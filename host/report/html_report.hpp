@@ -1,4 +1,4 @@
-/// Pages of a report: their data as text, and what they need to prove rows again.
+/// Pages of a report: their data as text, and the data that they need to prove rows again.
 #pragma once
 
 #include <algorithm>
@@ -29,10 +29,10 @@ template <class Number>
   return base64(std::as_bytes(std::span(numbers)));
 }
 
-// What a page needs to prove its rows again.
+// The data that a page needs to prove its rows again.
 
-/// The key `proof` of the data (report/README.md): null where the report has none. Throws Error(input) where a file of
-/// it cannot be read.
+/// The key `proof` of the data (report/README.md): null if the report has none. Throws Error(input) if one of its files
+/// cannot be read.
 [[nodiscard]] nlohmann::ordered_json proof_data(const Report& report);
 
 // A built page with its data, as one file.

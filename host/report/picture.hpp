@@ -1,4 +1,4 @@
-/// Pictures: colours of distances, and what cairo draws of a map.
+/// Pictures: colours of distances, and drawings of a map by cairo.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ class ColourScale {
   /// Precondition: positive, finite.
   explicit ColourScale(double range) : range_(range) {}
 
-  /// The colours end at -range and range; what is beyond has the last one.
+  /// The colours end at -range and range; values beyond have the last colour.
   [[nodiscard]] double range() const { return range_; }
   [[nodiscard]] Colour colour(double value) const;
   /// Round numbers from -range to range, zero among them.
@@ -33,7 +33,7 @@ class ColourScale {
   double range_;
 };
 
-/// Of `report.range`, or of the default one.
+/// The scale of `report.range`, or of the default one.
 [[nodiscard]] ColourScale scale_of(const Report& report);
 
 }  // namespace verisq::report
@@ -58,13 +58,13 @@ class Drawing {
 
   enum class Weight { normal, bold };
   struct Type {
-    double size;  ///< of the letters, in pixels
+    double size;  ///< size of the letters, in pixels
     Colour colour;
     Weight weight = Weight::normal;
   };
 
-  /// One line of UTF-8 (what is not is replaced), its base line from (x, y); shortened by "..." where it would be wider
-  /// than `room`. On a machine without fonts nothing appears.
+  /// Writes one line of UTF-8 (other bytes are replaced), its base line from (x, y); shortened by "..." if it would be
+  /// wider than `room`. On a machine without fonts nothing appears.
   void write(double x, double y, double room, const std::string& text, const Type& type);
 
   /// The width that `write` would take of unlimited room; 0 without fonts.

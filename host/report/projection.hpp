@@ -19,9 +19,9 @@
 
 namespace verisq::report {
 
-// Where a picture is taken from, and the pixels of bone and implant seen from there.
+// The viewpoint of a picture, and the pixels of bone and implant seen from there.
 
-// Where a picture is taken from.
+// The viewpoint of a picture.
 
 /// Turns, moves and scales points: x to the right, y up, z towards the viewer; bone and implant within [-1, 1]^3 (and
 /// somewhat more, where turned).
@@ -36,17 +36,17 @@ struct View {
   }
 };
 
-/// Of length 1: `asked`, or the bone's long axis, towards the end that is the implant's. An implant in the middle third
-/// has no end: then as positive as the axis goes, as scanners place bodies.
+/// A vector of length 1: `asked`, or the bone's long axis, towards the implant's end. An implant in the middle third
+/// has no end: then the axis points as positive as possible, as scanners place bodies.
 [[nodiscard]] Eigen::Vector3d upright(const Mesh& bone, const Mesh& implant, const std::optional<Point>& asked);
 
-/// With `up` on top, and seen from where the bone is broadest. Precondition: `up` of length 1.
+/// The view with `up` on top, from the side where the bone is broadest. Precondition: `up` of length 1.
 [[nodiscard]] View broad_view(const Mesh& bone, const Mesh& implant, const Eigen::Vector3d& up);
 
-/// The centroid of the triangles' area; of the vertices, where there is none.
+/// The centroid of the triangles' area; of the vertices, if there is none.
 [[nodiscard]] Eigen::Vector3d surface_centroid(const std::vector<Eigen::Vector3d>& vertices, const Mesh& mesh);
 
-// What of a surface is nearest to the viewer at each sample of a raster.
+// The part of a surface that is nearest to the viewer at each sample of a raster.
 
 /// Triangles in the coordinates of the raster: x to the right and y down in samples, z towards the viewer.
 struct ProjectedSurface {
@@ -95,7 +95,8 @@ struct RasterTransform {
   double top;    ///< y0
 };
 
-/// The largest in which all of both meshes lies in the middle of width x height samples, `margin` off the edges.
+/// The largest transform that places all of both meshes in the middle of width x height samples, `margin` off the
+/// edges.
 [[nodiscard]] RasterTransform fitted(const View& view, const Mesh& bone, const Mesh& implant, double width,
                                      double height, double margin);
 
@@ -105,7 +106,7 @@ struct RasterTransform {
 
 // One drawing of bone and implant: the pixels without words.
 
-/// Bone and implant in the samples of a panel, of which a pixel has 2 x 2.
+/// Bone and implant in the samples of a panel; a pixel has 2 x 2 samples.
 struct Scene {
   ProjectedSurface bone;     ///< values: the bone's lower bounds in ranges of the scale; not a number: none
   ProjectedSurface implant;  ///< no values
@@ -113,7 +114,7 @@ struct Scene {
 
 enum class BoneShown {
   whole,  ///< the implant shows through
-  cut,    ///< what is nearer to the viewer than the implant's middle is cut away
+  cut,    ///< everything nearer to the viewer than the implant's middle is cut away
 };
 
 constexpr int samples_a_pixel_side = 2;
@@ -125,16 +126,16 @@ using RowSink = std::function<void(int row, std::span<const Colour> colours)>;
 void draw_panel(const Scene& scene, BoneShown shown, const ColourScale& scale, int width, int height,
                 const RowSink& sink);
 
-// Triangles to draw a model by, also where an implant's way ends. For the eye alone: nothing about them is proven.
+// Triangles for drawing a model, also at the end of an implant's way. For display alone: nothing about them is proven.
 
-// Triangles to draw a model by. For the eye alone: binary64 to nearest, nothing about them is proven.
+// Triangles for drawing a model. For display alone: binary64 to nearest, nothing about them is proven.
 
 /// The boundary of the model's solid, outward by the right-hand rule; every vertex lies on the surface of a primitive
 /// but for rounding. One primitive alone gives a closed surface. Where primitives meet, whole small triangles are kept
 /// or left out, with no gaps between them: the edges of cuts are ragged by a fraction of a triangle.
 [[nodiscard]] Mesh model_surface(const Model& model);
 
-// The implant of a report where its way ends.
+// The implant of a report at the end of its way.
 
 [[nodiscard]] inline Mesh seated_surface(const Report& report) {
   return model_surface(report.path.empty() ? report.implant : posed(report.implant, report.path.back()));

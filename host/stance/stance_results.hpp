@@ -20,14 +20,14 @@
 
 namespace verisq::stance {
 
-// What is enclosed of a stance beside the paper's tables, and beside Monte-Carlo samples.
+// Enclosures of a stance beside the paper's tables, and beside Monte-Carlo samples.
 
-// Tables 2, 3 and 4 of the paper beside what this program encloses, cell by cell (audit: docs/stance.md §1).
+// Tables 2, 3 and 4 of the paper beside this program's enclosures, cell by cell (audit: docs/stance.md §1).
 
 enum class CellVerdict : std::uint8_t {
-  match,      ///< each end within 0.01 of the printed one, after directed rounding to the second digit
-  misprint,   ///< each end within 0.01 of what the audit says the paper should have printed; `reason` says why
-  differs,    ///< neither
+  match,     ///< each end within 0.01 of the printed one, after directed rounding to the second digit
+  misprint,  ///< each end within 0.01 of the value that, by the audit, the paper should have printed; `reason` says why
+  differs,   ///< neither
   unprinted,  ///< our copy of the paper has no number there
 };
 
@@ -53,7 +53,7 @@ struct Cell {
   Hundredths ours;
   std::string printed;  ///< empty where unprinted
   CellVerdict verdict;
-  std::string_view reason;  ///< of a misprint, else empty
+  std::string_view reason;  ///< for a misprint, else empty
   /// Constants of examples/stance.xml that enter the cell and were chosen so that the tables come out: that it matches
   /// is no evidence for them.
   std::vector<std::string_view> reconstructed;
@@ -69,16 +69,18 @@ struct PaperTable {
 
 struct PaperReport {
   std::array<PaperTable, 3> tables;          ///< 2, 3, 4
-  ReferenceUncertainty unrounded;            ///< of Table 4, from sensitivities that are not rounded first
+  ReferenceUncertainty unrounded;            ///< for Table 4, from sensitivities that are not rounded first
   [[nodiscard]] bool all_explained() const;  ///< no cell differs
 };
 
-/// In paper mode, of a model that has the parameters mp, px, Fx and mf. Throws Error(input) that names a missing one.
+/// In paper mode, for a model that has the parameters mp, px, Fx and mf. Throws Error(input) that names a missing one.
 [[nodiscard]] PaperReport compare_with_paper(const Model& model);
 
-// Monte-Carlo samples of uncertain parameters: whether enclosures contain them, and how much of each they fill.
+// Monte-Carlo samples of uncertain parameters: tests whether enclosures contain them, and measures how much of each
+// they fill.
 
-/// What is sampled: numbers that `claimed` is said to enclose over the box of the uncertain set. Called on any thread.
+/// The sampled function: its numbers are claimed to lie in `claimed` over the box of the uncertain set. Called on any
+/// thread.
 struct Sampled {
   std::vector<Enclosure> claimed;
   std::function<std::vector<double>(std::span<const double> parameters)> evaluate;  ///< in plain floating point
@@ -98,8 +100,8 @@ struct Escape {
 };
 
 struct Samples {
-  std::uint64_t count;          ///< taken; fewer than asked for where interrupted or escaped
-  std::vector<Enclosure> hull;  ///< of the samples, within what was claimed; empty ([inf, -inf]) without samples
+  std::uint64_t count;          ///< number taken; fewer than requested if interrupted or escaped
+  std::vector<Enclosure> hull;  ///< hull of the samples, within the claims; empty ([inf, -inf]) without samples
   std::optional<Escape> escape;
 };
 
@@ -116,7 +118,7 @@ struct SampleOptions {
 /// The part of the enclosure that the hull fills, in [0, 1]; 1 for an enclosure that is a point.
 [[nodiscard]] double filled_part(const Enclosure& hull, const Enclosure& claimed);
 
-// Which numbers of a stance model an analysis has, which a caller chooses, and the model that is narrowed to them.
+// The numbers of a stance model that an analysis covers, the caller's choice of them, and the model narrowed to them.
 
 struct Scope {
   std::string meaning;  ///< of the results, in one sentence
@@ -125,8 +127,8 @@ struct Scope {
   std::vector<std::string> parameters_without_effect;  ///< names; of all parameters of the model, uncertain or not
 };
 
-/// For the wrench and its sensitivities, one a parameter of the model. Parameters without effect are those whose
-/// derivatives are proven to be 0 over the box.
+/// The scope of the wrench and its sensitivities, one for each parameter of the model. Parameters without effect are
+/// those whose derivatives are proven to be 0 over the box.
 [[nodiscard]] Scope wrench_scope(const Model& model, std::span<const WrenchEnclosure> sensitivities);
 
 [[nodiscard]] Scope acceleration_scope(const Model& model, AccelerationCase at);
@@ -134,17 +136,17 @@ struct Scope {
 [[nodiscard]] Scope equilibrium_scope(const Model& model, JointControl control);
 
 [[nodiscard]] Scope stability_scope(const Model& model, JointControl control);
-/// Of the motion in the sagittal plane.
+/// The scope of the motion in the sagittal plane.
 [[nodiscard]] Scope motion_scope(const Model& model, const MotionOptions& options);
 
-/// Of the drop of one of the model's cylinders.
+/// The scope of the drop of one of the model's cylinders.
 [[nodiscard]] Scope bounce_scope(const Model& model, const ContactCylinder& cylinder);
 
 // Pictures and tables of a stance: its motion, maps of two parameters, the view from the side.
 
 // Pictures as SVG: the document, and names of a file as its text.
 
-/// On one line, with the characters that XML reserves written as entities.
+/// The words on one line, with the characters that XML reserves written as entities.
 [[nodiscard]] inline std::string svg_text(std::string_view words) {
   std::string text;
   for (const char c : on_one_line(words)) {
@@ -168,23 +170,23 @@ struct Scope {
 
 // A proven motion over time, as a table and as a picture.
 
-/// CSV, a header and a row for each slab: from, to, then _lo and _hi of each quantity, which contain it at all times
-/// from the one to the other. Shortest decimals that read back as the same binary64.
+/// CSV, a header and a row for each slab: from, to, then _lo and _hi of each quantity; these contain it at all times
+/// between the two. Shortest decimals that read back as the same binary64.
 [[nodiscard]] std::string motion_table(const Motion& motion);
 
 /// SVG: the tubes of x, height and pitch of the root and of the cylinders' forces over time.
 [[nodiscard]] std::string motion_picture(const Motion& motion);
 
-// A picture of what is proven over a box of two parameters, cell by cell.
+// A picture of the proven results over a box of two parameters, cell by cell.
 
 /// SVG: the first parameter to the right, the second upward. Preconditions: cells of two uncertain parameters, these
 /// two, at least one.
 [[nodiscard]] std::string parameter_map(std::span<const EquilibriumCell> cells, const std::array<Parameter, 2>& axes);
 [[nodiscard]] std::string parameter_map(std::span<const StabilityCell> cells, const std::array<Parameter, 2>& axes);
 
-// Where the points of a body are that a picture from the side shows, proven.
+// The proven places of the points of a body that a picture from the side shows.
 
-/// In the world, m.
+/// A point in the world, m.
 struct SidePoint {
   Enclosure x, y;
 };
@@ -196,11 +198,12 @@ struct SideView {
 };
 
 /// Contains all points for all parameters of the box and all joints within `positions` (of all joints, bodies in order,
-/// m or rad). From these alone: a foot that the ground holds is no narrower here than the chain that leads to it.
+/// m or rad). Computed from these alone: a foot that the ground holds is no narrower here than the chain that leads to
+/// it.
 [[nodiscard]] SideView side_view(const Model& model, UncertainSet uncertain, std::span<const Enclosure> positions);
 
-/// Of all joints of the model, from those of its sagittal plane (SagittalModel::joints); the others are where the file
-/// has them.
+/// The positions of all joints of the model, from those of its sagittal plane (SagittalModel::joints); the others are
+/// as in the file.
 [[nodiscard]] std::vector<Enclosure> all_positions(const SagittalModel& sagittal, std::span<const Enclosure> positions);
 
 }  // namespace verisq::stance

@@ -33,11 +33,11 @@ struct Tetrahedra {
   std::vector<double> circumradii;
 };
 
-/// Whether each tetrahedron belongs to the solid.
+/// A flag for each tetrahedron: it belongs to the solid.
 using Solid = std::vector<bool>;
 
-/// The tetrahedra of circumradius at most `alpha`, and the voids that they enclose; of several components (connected
-/// through facets) the one of the largest volume.
+/// The tetrahedra of circumradius at most `alpha`, and the voids that they enclose; if there are several components
+/// (connected through facets), only the one of the largest volume.
 [[nodiscard]] Solid alpha_solid(const Tetrahedra& tetrahedra, double alpha);
 
 [[nodiscard]] double volume(const Tetrahedra& tetrahedra, const Solid& solid);
@@ -46,29 +46,29 @@ using Solid = std::vector<bool>;
 /// are all points.
 [[nodiscard]] Mesh boundary(const Tetrahedra& tetrahedra, const Solid& solid);
 
-/// Adds tetrahedra, the smallest circumradii first, where the boundary is no manifold, until it is one. That ends: the
-/// convex hull is a manifold.
+/// Adds tetrahedra, the smallest circumradii first, where the boundary is no manifold, until it is one. This
+/// terminates: the convex hull is a manifold.
 [[nodiscard]] Solid with_manifold_boundary(const Tetrahedra& tetrahedra, Solid solid);
 
 // The alpha shape of a point cloud: a closed oriented surface through its points.
 
 struct AlphaShape {
-  Mesh mesh;     ///< normals outward, its vertices are those of the points that the surface goes through
+  Mesh mesh;     ///< normals outward; its vertices are the points through which the surface goes
   double alpha;  ///< the radius used
 };
 
-/// The outer boundary of the Delaunay tetrahedra of circumradius at most `alpha` (Edelsbrunner, Muecke:
-/// Three-dimensional alpha shapes, 1994), of their largest component; made manifold by further tetrahedra where it is
-/// not. Without `alpha`, which must be positive: the least of CGAL's optimum (one component, no point outside) times
-/// 2^(k/4) whose boundary is manifold of itself and whose volume is that of a filled solid, not of a shell around the
-/// points. Throws Error(input) where all points lie in one plane, and where no tetrahedron is as small as `alpha`.
+/// The outer boundary of the largest component of the Delaunay tetrahedra of circumradius at most `alpha`
+/// (Edelsbrunner, Muecke: Three-dimensional alpha shapes, 1994). Further tetrahedra make it manifold if it is not.
+/// `alpha` must be positive. Without it: the least of CGAL's optimum (one component, no point outside) times 2^(k/4)
+/// whose boundary is manifold of itself and whose volume is that of a filled solid, not of a shell around the points.
+/// Throws Error(input) if all points lie in one plane, and if no tetrahedron is as small as `alpha`.
 [[nodiscard]] AlphaShape alpha_shape(std::span<const Point> points, std::optional<double> alpha);
 
-// The alpha wrap: a closed oriented surface around points or triangles, whatever their state.
+// The alpha wrap: a closed oriented surface around points or triangles in any state.
 
-/// Contains all of `input`, its triangles or, where it has none, its points: the space outside is carved away by balls
-/// of radius `alpha`, which stop at the distance `offset` (Portaneri, Rouxel-Labbé, Hemmer, Cohen-Steiner, Alliez:
-/// Alpha Wrapping with an Offset, SIGGRAPH 2022). Gaps narrower than 2 alpha are bridged. Normals point outward.
+/// Contains all of `input`: its triangles or, if it has none, its points. Balls of radius `alpha` carve the space
+/// outside away; they stop at the distance `offset` (Portaneri, Rouxel-Labbé, Hemmer, Cohen-Steiner, Alliez: Alpha
+/// Wrapping with an Offset, SIGGRAPH 2022). Gaps narrower than 2 alpha are bridged. Normals point outward.
 /// Preconditions: alpha, offset > 0; `input` is not empty.
 [[nodiscard]] Mesh alpha_wrap(const Mesh& input, double alpha, double offset);
 
@@ -114,44 +114,45 @@ struct GridSamples {
 
 // The surface on which a sampled function is zero.
 
-/// Marching tetrahedra: every cell of the lattice is cut into Kuhn's six tetrahedra, in which the function is linear,
-/// but that no vertex comes nearer to a sample than a fiftieth of its edge. The boundary of where the function is
-/// positive: closed, manifold and outward. Preconditions: the outermost samples are not positive; less than 2^32
-/// vertices.
+/// Marching tetrahedra: every cell of the lattice is cut into Kuhn's six tetrahedra, in which the function is linear.
+/// No vertex comes nearer to a sample than a fiftieth of its edge. The result is the boundary of the region where the
+/// function is positive: closed, manifold and outward. Preconditions: the outermost samples are not positive; less than
+/// 2^32 vertices.
 [[nodiscard]] Mesh level_surface(const GridSamples& samples);
 
-// Meshes as CGAL has them, and damaged ones made closed and oriented.
+// Meshes in CGAL's form, and damaged meshes made closed and oriented.
 
 // Repairs of meshes: largest parts, filled holes, orientation, edges of equal length, smoothing.
 
-// Of a surface in several parts the largest.
+// The largest part of a surface in several parts.
 
 struct LargestPart {
-  Mesh mesh;  ///< without vertices of no triangle
+  Mesh mesh;  ///< without unused vertices
   std::size_t parts_left_out = 0;
 };
 
-/// By area; parts are connected through vertices. No triangles for a mesh that has none.
+/// The largest by area; parts are connected through vertices. No triangles for a mesh that has none.
 [[nodiscard]] LargestPart largest_part(const Mesh& mesh);
 
 // Closes the holes of a given mesh.
 
 struct HoleFilling {
   Mesh mesh;
-  std::size_t holes = 0;   ///< there were
-  std::size_t filled = 0;  ///< of them
+  std::size_t holes = 0;   ///< number of holes
+  std::size_t filled = 0;  ///< number of filled holes
 };
 
 /// Joins borders along equal vertices, then triangulates each hole, refines its triangles to the density around it and
-/// fairs them (Liepa: Filling holes in meshes, 2003). A hole that Delaunay triangles cannot fill is filled by the best
-/// of all triangulations where it has at most 300 edges, for that takes cubic time. Where three triangles meet at an
-/// edge, vertices are duplicated first.
+/// fairs them (Liepa: Filling holes in meshes, 2003). If Delaunay triangles cannot fill a hole, the best of all
+/// triangulations does, for at most 300 edges, because that takes cubic time. Where three triangles meet at an edge,
+/// vertices are duplicated first.
 [[nodiscard]] HoleFilling fill_holes(const Mesh& mesh);
 
 // Turns the triangles of a mesh so that their normals point to one side.
 
-/// Normals away from the solid that the mesh bounds; those of cavities inside it point into the cavities. Of an open
-/// mesh: such that its volume about its middle is positive. Where the mesh is no manifold, vertices are duplicated.
+/// Normals point away from the solid that the mesh bounds; normals of cavities inside it point into the cavities. For
+/// an open mesh they point such that its volume about its middle is positive. Where the mesh is no manifold, vertices
+/// are duplicated.
 [[nodiscard]] Mesh oriented_outward(const Mesh& mesh);
 
 /// Every triangle turned.
@@ -159,19 +160,19 @@ struct HoleFilling {
 
 // Triangles of about equal sides.
 
-/// Splits, collapses and flips edges and relaxes vertices, which are then put back onto the surface (Botsch, Kobbelt: A
-/// remeshing approach to multiresolution modeling, 2004), three times. Borders stay in place. Preconditions: manifold,
-/// edge > 0.
+/// Splits, collapses and flips edges and relaxes vertices, which are then put back onto the surface, three times
+/// (Botsch, Kobbelt: A remeshing approach to multiresolution modeling, 2004). Borders stay in place. Preconditions:
+/// manifold, edge > 0.
 [[nodiscard]] Mesh remeshed(const Mesh& mesh, double edge);
 
 // Smooths a mesh without shrinking it.
 
-/// Taubin's smoothing (A signal processing approach to fair surface design, SIGGRAPH 1995): each round moves every
-/// vertex towards the mean of its neighbours, then all a little farther back, which damps ripples of a few edges and
+/// Taubin's smoothing (A signal processing approach to fair surface design, SIGGRAPH 1995). Each round moves every
+/// vertex towards the mean of its neighbours, then all a little farther back. This damps ripples of a few edges and
 /// keeps the shape. Vertices at the border of an open mesh stay. Precondition: rounds >= 0.
 [[nodiscard]] Mesh smoothed(Mesh mesh, int rounds);
 
-// Meshes in the types of CGAL: what the steps of the surface preparation share.
+// Meshes in the types of CGAL: the shared parts of the steps of the surface preparation.
 
 /// Predicates are exact, so that no decision is lost to rounding; new points are rounded.
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -186,11 +187,11 @@ struct TriangleSoup {
 [[nodiscard]] std::vector<Kernel::Point_3> cgal_points(std::span<const Point> points);
 [[nodiscard]] TriangleSoup triangle_soup(const Mesh& mesh);
 
-/// The mesh with neighbouring triangles turned alike. A halfedge structure knows manifolds only: where the mesh is
-/// none, or cannot be oriented, vertices are duplicated and the mesh is open there.
+/// The mesh with neighbouring triangles oriented alike. A halfedge structure can only represent manifolds: where the
+/// mesh is none, or cannot be oriented, vertices are duplicated and the mesh is open there.
 [[nodiscard]] CgalMesh halfedge_mesh(const Mesh& mesh);
 
-/// In the order of CGAL's indices, without vertices of no triangle.
+/// In the order of CGAL's indices, without unused vertices.
 [[nodiscard]] Mesh indexed_mesh(const CgalMesh& mesh);
 
 }  // namespace verisq::surface
