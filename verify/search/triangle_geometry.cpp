@@ -61,23 +61,27 @@ Shares clamped(double b, double c) {
 /// with rounded differences X and their sums round by 4.01 u |n| |X|, |X| <= √3 magnitude: by 7.1 u magnitude in units
 /// of |n|. |n|, the root and the quotient round by 4.01 u, of what is at most √3 magnitude: with the product below 8 u
 /// of it are taken off by its factor.
-double lower_by(const Seen& seen, const Point& n) {
-  const double square = inner(n, n);
+inline double lower_by(const Seen& seen, const Point& n, double square, double length) {
   if (!(square >= least_square)) return 0.0;
   const double least = std::min({inner(n, seen.a), inner(n, seen.b), inner(n, seen.c)});
-  return std::max(
-      0.0, least / std::sqrt(square) * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length);
+  return std::max(0.0, least / length * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length);
+}
+
+double lower_by(const Seen& seen, const Point& n) {
+  const double square = inner(n, n);
+  return lower_by(seen, n, square, std::sqrt(square));
 }
 
 /// By the point a + b ab + c ac. Off it by at most u (3|a_i| + 4 b|ab_i| + 3 c|ac_i|) a coordinate, a little more for
 /// products of errors, and by u|ac_i| for the sum of shares beyond 1: by 5.1 u √3 magnitude, which is below 9 u
 /// magnitude. Its length rounds by 3 u, and each operation on it by one more: 8 u.
-DistanceBounds bounds_at(const Seen& seen, const Shares& shares) {
+inline DistanceBounds bounds_at(const Seen& seen, const Shares& shares) {
   Point way;
   for (std::size_t i = 0; i < 3; ++i) way[i] = seen.a[i] + shares.b * seen.ab[i] + shares.c * seen.ac[i];
-  const double upper =
-      std::sqrt(inner(way, way)) * (1.0 + 0x1p-50) + share_of_magnitude * seen.magnitude + underflow_of_length;
-  return {lower_by(seen, way), upper, way};
+  const double square = inner(way, way);
+  const double length = std::sqrt(square);
+  const double upper = length * (1.0 + 0x1p-50) + share_of_magnitude * seen.magnitude + underflow_of_length;
+  return {lower_by(seen, way, square, length), upper, way};
 }
 
 /// The share of the end at the point of a side nearest to the origin; NaN where the ends coincide.
