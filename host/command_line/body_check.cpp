@@ -39,11 +39,11 @@ struct Claim {
 struct EquilibriumReport {
   EquilibriumClaims claimed;  ///< `uncertain` of the model
   ProvenEquilibrium proven;
-  std::vector<Claim> claims;  ///< none of an interrupted check
+  std::vector<Claim> claims;  ///< none for an interrupted check
   double seconds;
 
   [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
-  /// That claim nothing on a side.
+  /// The number of claims with an unbounded side.
   [[nodiscard]] std::ptrdiff_t unbounded() const {
     return std::ranges::count_if(claims, [](const Claim& claim) { return !std::isfinite(claim.value.width()); });
   }
@@ -86,7 +86,7 @@ EquilibriumClaims claims_of(const EquilibriumAnswer& answer, const stance::Model
   return claims;
 }
 
-/// As the findings of `stance::check`.
+/// In the order of the findings of `stance::check`.
 std::vector<Claim> claims_with(const EquilibriumClaims& claims, const stance::Model& model,
                                const std::vector<Finding>& findings) {
   std::vector<Claim> result{{"share of the box that has an equilibrium on all cylinders, at least",
@@ -137,7 +137,7 @@ std::string_view words(stance::JointControl control) {
                                                : "turned from where the file has them as the proportional gains allow";
 }
 
-/// What the numbers are of.
+/// Describes the box of parameters of the numbers.
 std::string box_of(const EquilibriumAnswer& answer) {
   if (answer.parameters.empty()) return "of                   the body whose parameters are nominal\n";
   std::string text =
@@ -265,7 +265,7 @@ std::vector<Line> lines_of(const FeatureClaims& claims, const FeatureFindings& f
   return lines;
 }
 
-/// That claim nothing on a side, or any angle.
+/// The number of claims with an unbounded side, or with any angle.
 std::ptrdiff_t unbounded(const std::vector<Line>& lines) {
   return std::ranges::count_if(lines, [](const Line& line) {
     const bool any_angle = line.unit == "degrees" && line.claimed.lo <= 0.0 && line.claimed.hi >= 180.0;

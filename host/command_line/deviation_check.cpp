@@ -36,12 +36,12 @@ struct Claim {
 
 struct DeviationCheckReport {
   ProvenDeviation proven;
-  std::vector<Claim> claims;  ///< none of an interrupted check
+  std::vector<Claim> claims;  ///< none for an interrupted check
   std::string units;
   double seconds;
 
   [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
-  /// That claim nothing from above.
+  /// The number of claims that are unbounded from above.
   [[nodiscard]] std::ptrdiff_t unbounded() const {
     return std::ranges::count_if(claims, [](const Claim& claim) { return !std::isfinite(claim.value.hi); });
   }
@@ -52,7 +52,7 @@ bool is_cloud(const DeviationAnswer& answer) {
   return answer.certificate.triangles.empty();
 }
 
-/// What is missing, or is not what the answer is about.
+/// Refuses inputs that are missing, or that do not belong to the answer.
 void refuse_other_subjects(const DeviationAnswer& answer, const CheckArguments& arguments) {
   const std::string& certificate = arguments.certificate;
   const char* const wanted = is_cloud(answer) ? "--points" : "--mesh";
@@ -89,7 +89,7 @@ void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSum
   }
 }
 
-/// What is claimed of the model's surface, if anything.
+/// Adds the claims about the model's surface, if there are any.
 void add_other_way(const DeviationAnswer& answer, const ProvenDeviation& proven, std::vector<Claim>& claims) {
   if (!proven.from_model) return;
   claims.push_back({"model", "largest", *answer.from_model, check(*answer.from_model, *proven.from_model)});
@@ -208,11 +208,11 @@ struct NumberClaimed {
 
 struct ContactCheckReport {
   ProvenContact proven;
-  std::vector<NumberClaimed> claims;  ///< none of an interrupted check
+  std::vector<NumberClaimed> claims;  ///< none for an interrupted check
   double seconds;
 
   [[nodiscard]] VerdictCounts counts() const { return counted(claims, &NumberClaimed::finding); }
-  /// That claim nothing from above.
+  /// The number of claims that are unbounded from above.
   [[nodiscard]] std::ptrdiff_t unbounded() const {
     return std::ranges::count_if(claims, [](const NumberClaimed& claim) { return !std::isfinite(claim.value.hi); });
   }
@@ -276,7 +276,7 @@ ContactCheckReport checked(const ContactAnswer& answer, const Model& model, cons
   return report;
 }
 
-/// Whose surface the implant's own is, by name.
+/// The names of the primitives whose surface counts as the implant's own.
 std::vector<std::string> counted_primitives(const ContactAnswer& answer, const Model& model) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < answer.counted.size(); ++k) {
@@ -285,7 +285,7 @@ std::vector<std::string> counted_primitives(const ContactAnswer& answer, const M
   return names;
 }
 
-/// How many triangles each has.
+/// The number of triangles of each region.
 std::vector<std::uint64_t> triangles_by_region(const ContactAnswer& answer) {
   std::vector<std::uint64_t> triangles(answer.regions.size(), 0);
   for (const auto& [region, count] : answer.region_runs) triangles[region] += count;
@@ -322,7 +322,7 @@ std::string claims_in_words(const ContactAnswer& answer, const ContactCheckRepor
   return text;
 }
 
-/// The line of what counts as the implant's own surface, if that is claimed.
+/// The line that describes the implant's own surface, if that is claimed.
 std::string own_surface_in_words(const std::vector<std::string>& primitives) {
   if (primitives.empty()) return "not claimed          how much of the model's own surface is in contact\n";
   return fmt::format(

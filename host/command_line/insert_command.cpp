@@ -71,12 +71,12 @@ struct InsertReport {
   [[nodiscard]] bool interrupted() const;
 };
 
-/// Counts the rows; the rest of the report is the caller's.
+/// Counts the rows; the caller fills in the rest of the report.
 void count(const Insertion& insertion, InsertReport& report);
 
 [[nodiscard]] std::string readable(const InsertReport& report);
 
-/// What of it a reader of the page wants to know.
+/// The lines of the report for readers of the page.
 [[nodiscard]] std::vector<ReportLine> report_lines(const InsertReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
@@ -374,7 +374,7 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 --search-cone 15 --search-turn 20 -o removal.vtp";
 
-/// Where they contradict each other, or leave open where bone ends.
+/// Refuses options that contradict each other, or that leave open where bone ends.
 void check_bone_options(const InsertArguments& arguments) {
   if (arguments.cavity && arguments.bone) refuse("give only one of --cavity and --bone");
   if (arguments.within && !arguments.cavity) refuse("--within: only with --cavity");
@@ -412,7 +412,7 @@ void require_certificates(const InsertArguments& arguments, const Model& implant
                   arguments.inputs.implant));
 }
 
-/// Nothing is claimed yet.
+/// An answer without claims.
 InsertionAnswer answer_about(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant) {
   return {.model = subject_file(arguments.inputs.implant),
           .mesh = subject_file(arguments.inputs.mesh),
@@ -422,8 +422,8 @@ InsertionAnswer answer_about(const InsertArguments& arguments, std::span<const P
           .rows = {}};
 }
 
-/// Rows that certificates prove to the tolerance are theirs from here on; others stay as they were found. Nothing where
-/// it was interrupted.
+/// Rows that certificates prove to the tolerance become the certificates' rows; others stay as they were found. Nothing
+/// if interrupted.
 std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::span<const Pose> path,
                                        const Model& implant, const Mesh& bone, InsertionOptions options,
                                        Insertion& insertion, InsertReport& report) {
@@ -448,7 +448,7 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
   return answer;
 }
 
-/// With a resection nothing of them: its rows are not those of the mesh.
+/// With a resection the rows are not certified: they are not the rows of the mesh.
 std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, std::span<const Pose> path,
                                               const Model& implant, const Mesh& bone, const InsertionOptions& options,
                                               Insertion& insertion, InsertReport& report) {
@@ -456,7 +456,7 @@ std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, 
   return certify(arguments, path, implant, bone, options, insertion, report);
 }
 
-/// Of whatever was not interrupted.
+/// Writes the certificate of an answer that was not interrupted.
 void write_certificate(const std::string& file, std::optional<InsertionAnswer> answer, InsertReport& report) {
   if (!answer || (answer->rows.empty() && !answer->removed)) {
     tell(fmt::format("{}; {} is not written", reason_of_end(), file));
@@ -495,7 +495,7 @@ double volume_tolerance_of(const InsertArguments& arguments) {
   return arguments.volume_tolerance.value_or(usual_volume_tolerance);
 }
 
-/// In cubic model units.
+/// The tolerance in cubic model units.
 double least_volume_tolerance_of(const InsertArguments& arguments, const Model& implant) {
   return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
@@ -516,7 +516,7 @@ LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant
                         }});
 }
 
-/// In radians, about: for people.
+/// The angle in radians, about: for people.
 double angle_between(const Point& direction, const Point& other) {
   const Point a = verify::near_one(direction);
   const Point b = verify::near_one(other);
@@ -525,7 +525,7 @@ double angle_between(const Point& direction, const Point& other) {
   return std::atan2(across, along);
 }
 
-/// Of the ways of the family the one that takes least away, and what that is.
+/// Searches the family for the way that takes the least bone away, and the volume of that.
 void search_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone, const Deadline& limit,
                 InsertReport& report) {
   const Stopwatch time;
@@ -554,8 +554,8 @@ RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<cons
                          }});
 }
 
-/// The volume is the certificate's from here on, unless that is wider than asked for, and than what was found. Nothing
-/// where it was interrupted.
+/// The volume becomes the certificate's, unless that is wider than requested, and than the found one. Nothing if
+/// interrupted.
 std::optional<RemovalAnswer> certify_removal(const InsertArguments& arguments, std::span<const Pose> path,
                                              const Model& implant, const BoneRegion& bone, const Deadline& limit,
                                              InsertReport& report) {
@@ -590,8 +590,8 @@ MeshClearance surface_along(std::span<const Pose> path, const Model& implant, co
       {.tolerance = options.tolerance, .device = options.device, .interrupted = options.interrupted});
 }
 
-/// Vertices by what their certificates prove. The surface's enclosure is its certificate's from here on, unless that is
-/// wider than asked for, and than what was found. Nothing where it was interrupted.
+/// Vertices by the enclosures that their certificates prove. The surface's enclosure becomes its certificate's, unless
+/// that is wider than requested, and than the found one. Nothing if interrupted.
 std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments, std::span<const Pose> path,
                                                 const Model& implant, const Mesh& bone, const InsertionAnswer& answer,
                                                 InsertionOptions options, InsertReport& report) {
@@ -609,7 +609,7 @@ std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments
   return WaySurfaceAnswer{proven, std::move(certified.certificate)};
 }
 
-/// And certifies it, where the rows are certified.
+/// Encloses the surface, and certifies it if the rows are certified.
 void enclose_surface(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
                      const Mesh& bone, std::optional<InsertionAnswer>& certified, const InsertionOptions& options,
                      InsertReport& report) {
@@ -641,7 +641,7 @@ void write_report(const InsertArguments& arguments, const Inserted& inserted, co
          .path = inserted.path});
 }
 
-/// The whole surface's penetration, and the volume, are as narrow as asked for.
+/// True unless the rows, the whole surface's penetration, and the volume are as narrow as requested.
 bool is_wide(const InsertReport& report) {
   return report.summary.wide > 0 ||
          (report.surface && !verified(report.surface->smallest_distance, report.tolerance)) ||

@@ -36,7 +36,7 @@ const CLI::App& app_of(const CLI::App& program) {
   return given.empty() ? program : *given.front();
 }
 
-/// Those that `app` takes: a word with dashes may be an option, another one a command.
+/// The words that `app` accepts: a word with dashes may be an option, another one a command.
 std::vector<std::string> known_words(const CLI::App& app, bool with_dashes) {
   std::vector<std::string> words;
   if (with_dashes) {
@@ -215,7 +215,7 @@ void Options::declare(const Declaration& declaration, Reader read) {
 
 namespace {
 
-/// Of the first i letters of `a` and the first j of `b`, row after row.
+/// Corrections between the first i letters of `a` and the first j of `b`, row after row.
 std::size_t corrections(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);

@@ -31,11 +31,11 @@ namespace verisq::command_line {
 
 // The summary of a recovery on the standard output: for people, or as one JSON object.
 
-/// What was asked for and what came of it.
+/// The requested containment and its result.
 struct ContainedWords {
   Containment containment;
   ContainmentProof proof;
-  std::size_t proofs;  ///< that were tried
+  std::size_t proofs;  ///< the number of proofs that were tried
 };
 
 /// Without its dashes.
@@ -47,17 +47,17 @@ struct ContainedWords {
 struct RecoverReport {
   const Recovery& recovery;
   bool of_mesh;                     ///< else of a cloud
-  std::optional<double> deviation;  ///< asked for
+  std::optional<double> deviation;  ///< requested
   std::optional<ContainedWords> contained;
   std::optional<Deviation> proven;  ///< of the mesh
   std::string output;               ///< the model file
-  ReportFiles files;                ///< those that were written
+  ReportFiles files;                ///< the files that were written
   double seconds;
 
-  /// Whether the model is as near as asked, by estimate; true where nothing was asked.
+  /// Returns whether the model is as near as requested, by estimate; true if nothing was requested.
   [[nodiscard]] bool reached() const;
 
-  /// Whether the model is proven to be where it was asked to be; true where nothing was asked.
+  /// Returns whether the model is proven to be where it was requested to be; true if nothing was requested.
   [[nodiscard]] bool is_contained() const { return !contained || contained->proof.proven; }
 };
 
@@ -116,7 +116,7 @@ std::string table(const RecoverReport& report) {
   return text;
 }
 
-/// Of the result, both ways.
+/// The lines of the proven deviation, both ways.
 std::string proven_lines(const Deviation& proven, const std::string& units) {
   std::string text;
   if (proven.from_mesh) {
@@ -132,7 +132,7 @@ std::string proven_lines(const Deviation& proven, const std::string& units) {
   return text;
 }
 
-/// Of all triangles.
+/// The line of the containment, which covers all triangles.
 std::string contained_line(const ContainedWords& contained) {
   const char* const word = contained.containment == Containment::within ? "inside the mesh" : "outside the mesh";
   if (!contained.proof.proven) return fmt::format("{:<19}not proven\n", word);
@@ -375,8 +375,8 @@ void refuse_mesh_without_sides(const RecoverArguments& arguments, const Mesh& me
   }
 }
 
-/// Writes the certificate of a proven containment, where it is asked for and proves that again. Returns false where it
-/// does not.
+/// Writes the certificate of a proven containment, if it is requested and proves that again. Returns false if it does
+/// not.
 bool write_certificate(const RecoverArguments& arguments, const Found& found, const Mesh& mesh, const Deadline& limit) {
   if (arguments.certificate_file.empty() || !found.contained || !found.contained->proof.proven) return true;
   const ContainmentCertificate& certificate = found.contained->proof.certificate;
@@ -471,7 +471,7 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const bool certified = write_certificate(arguments, found, input, limit);
   std::optional<Deviation> proven;
   if (!recovery.interrupted && !input.triangles.empty() && !arguments.no_proof) {
-    // Of bent solids the mean takes very long.
+    // For bent solids the mean takes very long.
     proven = proven_deviation(recovery.model, input,
                               {.device = arguments.device,
                                .no_progress = arguments.no_progress,

@@ -12,8 +12,8 @@
 namespace verisq {
 namespace {
 
-/// What comes before a time limit begins must not take long, and each cube of a large model looks at many leaves: of
-/// `most` cubes or searches so many as take no longer than all of them in a model of 64 leaves; at least one.
+/// Work before a time limit begins must not take long, and each cube of a large model evaluates many leaves. Of `most`
+/// cubes or searches, returns so many that they take no longer than all of them in a model of 64 leaves; at least one.
 std::size_t affordable(std::size_t most, const Model& model) {
   constexpr std::size_t size = 64;
   return std::max<std::size_t>(1, most * size / std::max(verify::size_of_tree(model), size));

@@ -1,4 +1,4 @@
-/// Whether rows of a map go where its queries, or other rows, lie.
+/// Tests whether rows of a map would be written where its queries, or other rows, lie.
 #include "verisq/map.hpp"
 
 #include <fmt/format.h>
@@ -33,9 +33,9 @@
 
 namespace verisq {
 
-/// Throws Error(input) where a value of a row may share memory with a coordinate or with another value of a row: rows
-/// are written while coordinates are read. Columns that interleave, like those of one record, lie apart where their
-/// strides are the same. Precondition: as many rows as points.
+/// Throws Error(input) if a value of a row may share memory with a coordinate or with another value of a row: rows are
+/// written while coordinates are read. Columns that interleave, like those of one record, lie apart if their strides
+/// are equal. Precondition: as many rows as points.
 void require_apart(const PointColumns& points, const ResultColumns& rows);
 
 namespace {
@@ -59,7 +59,7 @@ Progression progression(const Column<Value>& column, std::size_t size) {
 bool apart(const Progression& a, const Progression& b) {
   if (a.end <= b.first || b.end <= a.first) return true;
   if (a.stride != b.stride || a.stride == 0) return false;
-  // Where b's values begin in a's periods.
+  // The place where b's values begin in a's periods.
   const std::uintptr_t beyond =
       b.first >= a.first ? (b.first - a.first) % a.stride : (a.stride - (a.first - b.first) % a.stride) % a.stride;
   return beyond >= a.bytes && beyond + b.bytes <= a.stride;
@@ -169,8 +169,8 @@ class PointProver {
   std::unique_ptr<LateRows> late_rows_;                      // with certificates
 };
 
-/// Rows as tight as the device's proofs get may still be narrowed by a search, which is told their tolerance: with one
-/// of 0 there is no more to ask for.
+/// A search may still narrow rows that are as tight as the device's proofs get; it gets their tolerance. With a
+/// tolerance of 0 nothing tighter can be requested.
 device::RowCriterion criterion(const MapOptions& options, double radius, bool searched, double outside) {
   const bool open_inside = searched && options.tolerance > 0.0;
   return {options.tolerance, open_inside ? -1.0 : tightest_inside * radius, outside, radius};
@@ -194,7 +194,8 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
     };
     return std::make_unique<Map>(PointProver(model, options), options, model, make_batch);
   }
-  // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
+  // If primitives overlap, the depth is not that of a single one: it takes a search over cubes, which has no
+  // certificates.
   Map::MakeBatch make_search;
   const double radius = bounding_radius(model);
   if (model.primitives.size() > 1 && unsuited.empty()) {
@@ -212,16 +213,16 @@ namespace {
 
 using verify::MemberBounds;
 
-/// Of the bracketing models' maps: each end to half the tolerance.
+/// The options of the bracketing models' maps: each end to half the tolerance.
 MapOptions of_one_end(const MemberBounds& bounds, MapOptions options) {
   if (bounds.exact()) return options;
   options.tolerance = options.tolerance / 2;
-  options.covers = false;  // of several primitives together
+  options.covers = false;  // by several primitives together
   return options;
 }
 
-/// The obligation of Bracket: where the primitives of a union move independently of each other, no upper end may be
-/// proven by several of them together. Certificates never are.
+/// The obligation of Bracket: if the primitives of a union move independently of each other, no upper end may be proven
+/// by several of them together. Certificates never do that.
 MapOptions by_single_primitives(const Bracket& models, MapOptions options) {
   if (models.inflated) {
     options.certificates = true;
@@ -289,7 +290,8 @@ void check_uncertain_pose(const MapOptions& options, bool divisible) {
   if (options.pose_divisions > 1 && !divisible) refuse("places are divided for points alone");
 }
 
-/// At the nominal pose: distances to a small part of what the motions, which take the model as far as `reach`, leave.
+/// The options at the nominal pose: distances to a small part of the remaining change by the motions, which move the
+/// model by at most `reach`.
 MapOptions at_nominal_pose(MapOptions options, double reach) {
   constexpr double parts = 32.0;
   if (options.pose_uncertainty)
@@ -301,7 +303,7 @@ double reach_of(const MapOptions& options, const Model& model) {
   return options.pose_uncertainty ? verify::reach_of(*options.pose_uncertainty, model) : 0.0;
 }
 
-/// Of points, where the model is one that convexity says more of.
+/// For points, if convexity says more about the model.
 template <class Query>
 std::optional<ConvexPoseRows> convex_rows_of(const Bracket& models, const MapOptions& options, double reach) {
   if (!std::same_as<Query, Point> || !options.pose_uncertainty) return std::nullopt;
@@ -327,7 +329,7 @@ UncertainPoseMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptio
 
 template <class Query>
 struct Mapper<Query>::State {
-  /// Threads that prove rows see what the caller's thread is told.
+  /// Threads that prove rows see the answers of the caller's thread.
   template <class... Models>
   State(const MapOptions& options, const Models&... models)
       : interrupted(std::make_shared<SeenInterruption>(options.interrupted)), map(made(options, models...)) {}

@@ -33,9 +33,9 @@
 
 namespace verisq {
 
-// Poses as maps of them ask for and name them.
+// Text of poses for messages of maps.
 
-// Poses as maps of them ask for and name them.
+// Text of poses for messages of maps.
 
 [[nodiscard]] inline std::string text_of(const Pose& pose) {
   const auto& [t, q] = pose;
@@ -53,15 +53,15 @@ inline void require_pose(const Pose& pose) {
 
 // The map of poses where a model has a bend or set operations.
 
-/// As pose_map, by ModelSearch, pose by pose on all processors: no kernel knows such pairs. Throws Error(input)
-/// likewise, and for a model that is proven to have no point.
+/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
+/// Error(input), and for a model that is proven to have no point.
 [[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
 
-// What messages of maps say about triangles.
+// Text of triangles for messages of maps.
 
-// What messages of maps say about triangles.
+// Text of triangles for messages of maps.
 
-/// Its corners.
+/// The corners of the triangle.
 [[nodiscard]] inline std::string text_of(const Triangle& triangle) {
   std::string text;
   for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
@@ -77,8 +77,8 @@ inline void require_finite(const Triangle& triangle) {
 
 // The map of triangles about any model: by signed distances of points of theirs.
 
-/// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
-/// no point, and for options that ask for certificates without covers.
+/// Like triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to
+/// have no point, and for options that request certificates without covers.
 [[nodiscard]] std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options);
 
 namespace {
@@ -196,7 +196,7 @@ class PoseProver {
   [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
 
  private:
-  /// One for each thread at work: that of poses which are neighbours, or nearly.
+  /// The memory of each thread at work, for poses that are neighbours, or nearly.
   class Memories {
    public:
     std::unique_ptr<PairDistance::Memory> taken() {
@@ -251,7 +251,7 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
 
 namespace {
 
-/// As tight as searches get, where a tolerance of 0 asks for that.
+/// As tight as searches get, if a tolerance of 0 requests that.
 double searched_tolerance(const MapOptions& options, double radius) {
   return std::max(options.tolerance, tightest_inside * radius);
 }
