@@ -42,8 +42,8 @@ const Library& library() {
   return opened;
 }
 
-/// What a function reports when the library or the function is missing; as its result or, where that is an object,
-/// through its last argument. It is what OpenCL's own loader says on a machine without drivers.
+/// The error that a function reports if the library or the function is missing: as its result or, if that is an object,
+/// through its last argument. OpenCL's own loader reports the same on a machine without drivers.
 template <typename Result, typename... Arguments>
 Result not_found(Arguments... arguments) {
   if constexpr (std::is_same_v<Result, cl_int>) {

@@ -91,7 +91,8 @@ class Declarations {
     add("Int32", "primitive", 1, sizeof(std::int32_t) * rows);
   }
 
-  /// An array of `bytes`. Those of a piece have as many tuples as it has points or cells; others state their `length`.
+  /// An array of `bytes`. Arrays of a piece have as many tuples as the piece has points or cells; others state their
+  /// `length`.
   void add(std::string_view type, std::string_view name, int components, std::uint64_t bytes,
            std::string_view length = "") {
     text_ += fmt::format(

@@ -96,7 +96,7 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-model/1";
 
-/// Whether a number may be an interval where the format allows it.
+/// Whether a number may be an interval if the format allows it.
 enum class Intervals { allowed, refused };
 
 bool is_interval(const nlohmann::json& value) {
@@ -238,7 +238,8 @@ class SetExpressions {
   std::map<std::string, std::uint32_t> indices_;
 };
 
-/// What the models that bracket an uncertain one are known for.
+/// Refuses intervals in a model whose bracketing models are not known: with tapers; with intervals of translations
+/// unless it is a union of convex primitives.
 void check_intervals(const UncertainModel& model, std::string_view name) {
   if (is_exact(model)) return;
   Model shape{model.units, {}, model.csg};
