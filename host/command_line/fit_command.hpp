@@ -179,10 +179,10 @@ struct FitSummary {
   FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
   std::vector<KeptFeature> kept;            ///< ranges asked of them
   std::optional<ContactAreas> contact;      ///< nothing for a mesh without triangles
-  double contact_distance;                  ///< no farther is contact
+  double contact_distance;                  ///< all requirements
   std::vector<FitCondition> conditions;     ///< all that is asked
-  std::vector<std::string> unfinished;      ///< what the time limit left open
-  std::vector<FitTrial> trials;             ///< what was not chosen
+  std::vector<std::string> unfinished;      ///< the results that the time limit left open
+  std::vector<FitTrial> trials;             ///< the candidates that were not chosen
   std::vector<std::string> names;           ///< files of the series
   FitObjective maximised;
   double landmark_radius;

@@ -37,7 +37,7 @@
 
 namespace verisq::command_line {
 
-// What `verisq insert` says about the whole bone: for people, or as one JSON object.
+// The output of `verisq insert` about the whole bone: for people, or as one JSON object.
 
 struct InsertReport {
   MapSummary summary = {};
@@ -61,8 +61,8 @@ struct InsertReport {
   std::string certificate = {};                     ///< the certificates' file; empty when not written
   bool certified_points = false;                    ///< they are of the rows
   std::uint64_t looser_certificates = 0;            ///< rows of which they prove less than the map says
-  std::optional<Enclosure> certified_surface = {};  ///< what they prove of the whole surface
-  std::optional<Enclosure> certified_volume = {};   ///< what they prove of the removed volume
+  std::optional<Enclosure> certified_surface = {};  ///< the proven bounds for the whole surface
+  std::optional<Enclosure> certified_volume = {};   ///< the proven bounds for the removed volume
   std::string page = {};                            ///< the report's file; empty when not written
   std::string picture = {};
   double degrees_off = 0.0;  ///< its direction of the one that was given, about

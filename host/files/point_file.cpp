@@ -31,7 +31,7 @@ class PointSource {
   virtual ~PointSource() = default;
 
   virtual std::size_t read(std::span<Point> points) = 0;
-  /// Whether `go_to` may be called.
+  /// Returns whether `go_to` may be called.
   [[nodiscard]] virtual bool can_go_to() const { return false; }
   /// Continues at this point, which is at most the count. Precondition: `can_go_to`.
   virtual void go_to(std::uint64_t /*point*/) {}

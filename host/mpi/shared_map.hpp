@@ -91,7 +91,7 @@ struct SharedMapRequest {
   std::uint64_t rows = 0;
   std::uint64_t rows_of_block = rows_per_block;  ///< chunks are of whole blocks, so that no row depends on ranks
   std::vector<std::string> subjects;             ///< files that rows depend on: models, then the input
-  std::vector<PartSetting> settings;             ///< whatever else they depend on
+  std::vector<PartSetting> settings;             ///< all other settings on which they depend
   bool resume = false;                           ///< go on where a job with the same subjects and settings ended
 };
 

@@ -63,7 +63,7 @@ void check(std::span<const Eigen::Vector3d> points) {
   require(half.minCoeff() > flat * half.maxCoeff(), "all points lie in a plane, or nearly so");
 }
 
-/// As many of the points, at random, in their order.
+/// At most `most` of the points, chosen at random, in their order.
 std::vector<Eigen::Vector3d> thinned(std::span<const Eigen::Vector3d> points, std::size_t most, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> chosen;
   std::mt19937_64 random(seed);

@@ -59,8 +59,8 @@ double multiply(double a, double b, Direction direction) {
   if (!std::isfinite(product)) return std::isfinite(a) && std::isfinite(b) ? overflowed(product, direction) : product;
   if (std::fabs(product) > kResidualIsExactAbove) return correct(product, std::fma(a, b, -product), direction);
   // The same residual, scaled into the normal range. `product` scales exactly (upwards) and lies within a factor of two
-  // of the exact product or is zero, so that the difference of the leading parts is exact; the sign of the final sum of
-  // two numbers is exact because nothing underflows here.
+  // of the exact product or is zero. So the difference of the leading parts is exact. The sign of the final sum of two
+  // numbers is exact because nothing underflows here.
   const Scaled x = scaled(a);
   const Scaled y = scaled(b);
   const double leading = x.mantissa * y.mantissa;
