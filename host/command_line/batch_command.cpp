@@ -107,7 +107,7 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Programs end with the line that says why.
+/// The last line of a program's output: programs end with the reason of a failure.
 std::string last_line_of(const std::filesystem::path& path) {
   std::string text = text_of(path);
   while (text.ends_with('\n')) text.pop_back();

@@ -286,14 +286,14 @@ struct PosesReport {
 
 // `verisq check --certificate` of a path: how near two models come while one of them moves, proved again.
 
-/// `verified` only when every claim is proved, and the smallest distance has an end. Throws Error(input) for what the
-/// user can correct, also for other models than those that the answer is about.
+/// `verified` only when every claim is proved, and the smallest distance has an end. Throws Error(input) for errors
+/// that the user can correct, also for models other than those of the answer.
 ExitStatus run_check(const PathAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of a way in: the smallest distance of every vertex along it proved again.
 
-/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can
-/// correct, also for another model or mesh than those that the answer is about.
+/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for errors that the
+/// user can correct, also for a model or mesh other than those of the answer.
 ExitStatus run_check(const InsertionAnswer& answer, const CheckArguments& arguments);
 
 // The statements of `verisq check --certificate` for a fit about the sides on which the implant's parts lie.

@@ -301,7 +301,7 @@ double parse_percentile(std::string_view option, const std::string& text) {
   return *percent;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.inputs);
   if (arguments.both_ways && arguments.inputs.points.empty()) {

@@ -189,7 +189,7 @@ JsonValue json_of(const PairCertificate& certificate) {
   return separations;
 }
 
-/// A common point says more.
+/// Without near points if there is a common point, which is more informative.
 std::optional<std::array<Point, 2>> shown_near_points(const DistanceReport& report) {
   return report.common ? std::nullopt : report.near_points;
 }
@@ -386,7 +386,7 @@ void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
   }
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const DistanceArguments& arguments) {
   if (arguments.certificate_file) {
     std::vector<std::string> inputs{arguments.model_a, arguments.model_b};

@@ -285,7 +285,7 @@ DetectedFemur detected(const Mesh& mesh, const std::string& file, const std::opt
   }
 }
 
-/// A bone's surface, and which file it is of.
+/// A bone's surface, and its file.
 struct Surface {
   std::string file;
   Mesh mesh;

@@ -174,7 +174,7 @@ class FitProgressBars {
                           progress.done);
   }
 
-  /// `seconds` of the bound, whose `known` objective it is of.
+  /// Shows the progress of the bound after `seconds`; `known` is the known objective.
   void show(const FitBoundProgress& progress, double known, double seconds) {
     begin(bound_, search_, "boxes");
     bound_->update_state(fmt::format("F of any pose at most {:.6g}, found {:.6g}", progress.upper, known),

@@ -107,7 +107,7 @@ struct InsertArguments {
 
 void declare_insert(Options& options, InsertArguments& arguments);
 
-/// Throws Error(input) for what the user can correct, before the first distance is computed.
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
 ExitStatus run_insert(const InsertArguments& arguments);
 
 namespace {
@@ -386,7 +386,7 @@ bool is_searched(const InsertArguments& arguments) {
   return arguments.search_cone || arguments.search_turn;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   command_line::check_usage(arguments.inputs);
   if (arguments.inputs.poses && is_searched(arguments))

@@ -247,7 +247,7 @@ void check_part(const MapArguments& arguments) {
   refuse_to_overwrite("-o", part_file, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
   check_outputs(arguments);
@@ -305,7 +305,7 @@ std::optional<ReportProof> proof_of(const ShownRows& rows, const MapArguments& a
                      .point_radius = arguments.point_radius};
 }
 
-/// Empty: as the name of the output says.
+/// The given format; empty: by the name of the output.
 std::string format_of(const MapArguments& arguments) {
   return arguments.format.value_or(arguments.output == "-" ? ".csv" : "");
 }

@@ -49,7 +49,7 @@ std::vector<std::string> known_words(const CLI::App& app, bool with_dashes) {
   return words;
 }
 
-/// "; did you mean map?", of the first word that nobody knows, where one is near.
+/// "; did you mean map?", for the first unknown word, if a known one is near.
 std::string suggestion(const CLI::App& program) {
   const std::vector<std::string> unknown = program.remaining(true);
   if (unknown.empty()) return "";

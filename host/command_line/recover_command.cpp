@@ -310,7 +310,7 @@ RecoveryOptions options_of(const RecoverArguments& arguments, const Deadline& li
   return options;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const RecoverArguments& arguments) {
   const std::vector<std::string> inputs{arguments.points, arguments.mesh};
   refuse_to_overwrite("-o", arguments.output, inputs);
@@ -365,7 +365,7 @@ Found search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptio
   }
 }
 
-/// A certificate is of a mesh that has sides: this is known before all the work.
+/// A certificate needs a mesh that has sides: this is checked before all the work.
 void refuse_mesh_without_sides(const RecoverArguments& arguments, const Mesh& mesh) {
   if (arguments.certificate_file.empty()) return;
   try {

@@ -130,7 +130,7 @@ void check_motion_usage(const StanceArguments& arguments) {
   if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (!arguments.joints.empty() && !arguments.accelerations.given) refuse("--joint: give --accelerations, too");
   if (arguments.cells && !arguments.accelerations.given && !arguments.equilibrium && !arguments.stability)

@@ -55,7 +55,7 @@ Result not_found(Arguments... arguments) {
   }
 }
 
-/// `own` is our function of that name: it tells the type, and makes one static pointer a function.
+/// `own` is our function of that name: it determines the type, and gives each function its own static pointer.
 template <auto own, typename... Arguments>
 auto forward(const char* name, Arguments... arguments) {
   static const auto function =

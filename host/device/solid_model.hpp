@@ -29,7 +29,7 @@ inline constexpr std::size_t most_compiled_leaves = 100;
 /// Why the model has no program of its own; empty where it has one.
 [[nodiscard]] std::string why_not_compiled(const Model& model);
 
-/// The text of a program for one model: PRIMITIVES (their number), its terms (model_terms.hpp), the layers, the kernels
+/// The text of a program for one model: PRIMITIVES (their number), its terms (`ModelTerms`), the layers, the kernels
 /// that are its entry points, and the functions `solid_colour` and `solid_node` that kernels/set_tree.clh declares.
 /// Numbers of the model do not enter, only its structure: models that differ by numbers alone share a program.
 /// Precondition: the model may be compiled.
@@ -62,7 +62,7 @@ inline constexpr std::size_t most_terms = 32;
 /// BoxPrimitiveParameters of each primitive.
 [[nodiscard]] cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int scale_exponent);
 
-/// The option of programs that read them (model_memory.hpp).
+/// The option of programs that read them (`model_memory_option`).
 [[nodiscard]] std::string box_primitives_memory(const Device& device, const Model& model);
 
 /// Children of a cube are the lanes of a vector: vectors of eight, or scalars.

@@ -107,7 +107,7 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
   return format->make;
 }
 
-/// A stream tells at its beginning how many rows of an array will follow.
+/// Some formats state at their beginning the number of rows that follow.
 void refuse_unknown_length(const std::filesystem::path& path, const OutputFile& output, Maker make,
                            const MapForm& form) {
   if (make != make_npy_map || output.can_be_rewritten() || form.rows) return;

@@ -33,7 +33,7 @@ class Declarations {
   }
 
  private:
-  /// An array of the FieldData: it must say its length itself, or readers take it for empty (vtkXMLReader).
+  /// An array of the FieldData: it must state its length itself, or readers take it for empty (vtkXMLReader).
   void add_further_normals(std::uint64_t count) {
     const std::string length = fmt::format(" NumberOfTuples=\"{}\"", count);
     text_ += "    <FieldData>\n";

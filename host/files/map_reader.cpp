@@ -22,7 +22,7 @@
 namespace verisq {
 namespace {
 
-/// The digits that tell the unfinished files of runs apart, with the dot before them: see OutputFile.
+/// The digits that distinguish the unfinished files of runs, with the dot before them: see OutputFile.
 bool is_of_a_run(std::string_view extension) {
   return extension.size() == 9 && extension.find_first_not_of("0123456789abcdef", 1) == std::string_view::npos;
 }

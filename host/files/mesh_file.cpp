@@ -489,7 +489,7 @@ Point read_vertex(InputFile& file) {
   return point;
 }
 
-/// After the line "facet ..."; its normal is not read: the corners and their order say it better.
+/// Reads the lines after "facet ..."; its normal is not read, because the corners and their order determine it better.
 void read_facet(InputFile& file, MeshBuilder& builder, VertexMerger& merger) {
   expect_end(file, expect(file, "outer loop"));
   std::array<std::uint32_t, 3> corners{};

@@ -253,7 +253,7 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
   if (moves) verify::require_union_of_convex(shape, fmt::format("{}: intervals of translations", name));
 }
 
-/// All that a model file says.
+/// The whole contents of a model file.
 struct ModelDocument {
   UncertainModel model;
   std::vector<AreaBox> areas;

@@ -327,7 +327,7 @@ class Shape {
   }
   [[nodiscard]] double in_its_units(double length) const { return std::ldexp(length, exponent_); }
 
-  /// Across the plane that the normal says.
+  /// The thickness across the plane of the normal.
   [[nodiscard]] double thickness() const {
     double low = infinity;
     double high = -infinity;

@@ -150,7 +150,7 @@ std::unique_ptr<MapFormat> make_csv_map(OutputFile& output, const MapKind& kind)
 
 namespace {
 
-/// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would say "no answer".
+/// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would mean "no answer".
 void append_end(fmt::memory_buffer& text, double value) {
   if (std::isfinite(value)) {
     fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t nifti_header_size = 348;
 constexpr std::size_t nifti_2_header_size = 540;
 
-/// The bytes of the header, in the byte order that its first number tells.
+/// The bytes of the header, in the byte order that its first number determines.
 class NiftiHeader {
  public:
   NiftiHeader(const InputFile& file, ByteStream& stream) : file_(file) {
@@ -77,7 +77,7 @@ VoxelType nifti_voxel_type(const InputFile& file, const NiftiHeader& header) {
   }
 }
 
-/// dim[0] says how many of dim[1..7] count; those beyond three must be 1.
+/// dim[0] is the number of dim[1..7] that count; those beyond three must be 1.
 std::array<std::int64_t, 3> nifti_counts(const InputFile& file, const NiftiHeader& header) {
   const auto dim = [&header](std::size_t k) { return header.number<std::int16_t>(40 + 2 * k); };
   const std::int16_t dimensions = dim(0);

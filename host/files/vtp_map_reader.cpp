@@ -221,7 +221,7 @@ pugi::xml_node VtpDocument::piece() const {
   return only_child(poly_data(), "Piece");
 }
 
-// A second one is refused: another reader might take that one, and show what was not checked.
+// A second one is refused: another reader might use that one, and show unchecked data.
 pugi::xml_node VtpDocument::only_child(pugi::xml_node parent, const char* name) const {
   const pugi::xml_node child = parent.child(name);
   if (!child) fail(parent, fmt::format("no element {}", name));
@@ -371,7 +371,7 @@ class AppendedArrays {
     return items;
   }
 
-  /// Nothing may follow the arrays but what closes the file.
+  /// Nothing may follow the arrays but the end of the file's XML.
   void expect_end() {
     const std::string_view rest = file_.peek(vtp_end.size() + 1);
     if (rest != vtp_end) file_.fail_whole(fmt::format("byte {}: not the end of a map", file_.position()));

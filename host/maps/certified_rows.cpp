@@ -28,7 +28,7 @@ Enclosure rough_distance(const Model& model, const SignedDistance& distance, con
   return distance(point, tolerance, [&] { return ++polled > cubes || interrupted(); });
 }
 
-// A search tells nothing by a lower end beyond all numbers.
+// A lower end beyond all numbers proves that the model is empty.
 bool is_proven_empty(const Model& model, const SignedDistance& distance, const std::function<bool()>& interrupted) {
   if (is_union_of_convex(model)) return false;
   const Point& centre = model.primitives.front().pose.translation;

@@ -14,7 +14,7 @@
 
 namespace verisq::mpi {
 
-// The functions of MPI for shared maps and cohorts, with errors as exceptions; only communicator.cpp includes mpi.h.
+// The functions of MPI for shared maps and cohorts, with errors as exceptions; only shared_map.cpp includes mpi.h.
 
 /// MPI from its first call to its last. One object in a program.
 class Session {
@@ -101,8 +101,8 @@ struct SharedMapResult {
   std::uint64_t chunks = 0;
 };
 
-/// Called by all ranks. Throws Error(input) where there is nothing to resume or it is of other subjects or settings,
-/// Error(failure) where files cannot be written.
+/// Called by all ranks. Throws Error(input) if there is nothing to resume or it has other subjects or settings,
+/// Error(failure) if files cannot be written.
 [[nodiscard]] SharedMapResult shared_map(const Session& session, const SharedMapRequest& request, const RangeMap& map);
 
 }  // namespace verisq::mpi

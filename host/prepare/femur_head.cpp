@@ -1,4 +1,4 @@
-/// This file implements femur_head.hpp.
+/// This file implements the head and neck of femur.hpp.
 #include <fmt/format.h>
 #include <nlopt.h>
 
@@ -229,7 +229,7 @@ struct Search {
 
   [[nodiscard]] double perimeter(std::span<const double> at) const {
     const auto found = neck.curve(turned(at[0], at[1]), at[2]);
-    // Nelder and Mead compare, so a number that is larger than every perimeter says "none".
+    // Nelder and Mead's method compares, so a number that is larger than every perimeter means "none".
     return found ? found->perimeter / neck.radius() : 1e3;
   }
 };

@@ -1,4 +1,4 @@
-/// This file implements femur_shaft.hpp.
+/// This file implements the sections, shaft and condyles of femur.hpp.
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -318,7 +318,7 @@ class EdgeCollapser {
     return result;
   }
 
-  /// A triangle almost without area has no normal that could be kept: then the solid says where out is.
+  /// A triangle almost without area has no normal that could be kept: then the solid determines the outward direction.
   [[nodiscard]] bool keeps_shape(const TriangleCorners& before, const TriangleCorners& after) const {
     const double shape_before = shape(before);
     if (shape(after) < std::min(flattest_after_collapse, shape_before)) return false;

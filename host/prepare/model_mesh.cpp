@@ -264,7 +264,7 @@ void estimate(const Solid& solid, const ModelMeshOptions& options, ModelMesh& re
   result.samples = samples_of(Sampling::fine) * mesh.triangles.size();
 }
 
-/// Model and options are in units of `unit`; messages tell lengths.
+/// Model and options are in units of `unit`; messages state lengths.
 ModelMesh meshed(const Model& model, const ModelMeshOptions& options, double unit) {
   const double deviation = options.deviation;
   const Solid solid(model);

@@ -1,4 +1,4 @@
-/// This file implements stance_choice.hpp.
+/// This file implements the scopes and the caller's choice of stance_results.hpp.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

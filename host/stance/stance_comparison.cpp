@@ -1,4 +1,4 @@
-/// This file implements stance_comparison.hpp.
+/// This file implements the comparison with the paper and the samples of stance_results.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>

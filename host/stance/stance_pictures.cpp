@@ -1,4 +1,4 @@
-/// This file implements stance_pictures.hpp.
+/// This file implements the pictures and tables of stance_results.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>

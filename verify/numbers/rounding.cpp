@@ -14,7 +14,7 @@ namespace {
 /// Below this the residual of a product or quotient of 53-bit numbers may itself underflow (2^-1022 * 2^53 = 2^-969).
 constexpr double kResidualIsExactAbove = 0x1p-960;
 
-/// Moves the rounded result one step where the sign of (exact - rounded) says that it lies on the wrong side.
+/// Moves the rounded result one step if the sign of (exact - rounded) shows that it lies on the wrong side.
 double correct(double rounded, double residual, Direction direction) {
   if (direction == Direction::down && residual < 0.0) return std::nextafter(rounded, -infinity);
   if (direction == Direction::up && residual > 0.0) return std::nextafter(rounded, infinity);
