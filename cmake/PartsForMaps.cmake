@@ -2,7 +2,7 @@
 # verisq_NAME. The part verisq_NAME_for_maps is compiled once, and linked by the library and by the demo, which builds
 # nothing else. Sources of a batch are compiled as one, which saves the compiler their common headers and templates.
 #
-# A batch holds no two sources that give anything the same name: a name of one cannot be taken for that of another.
+# Sources that prove, those of verify/, stay alone: a name of one file cannot be taken for that of another there.
 function(verisq_part_for_maps name)
   set(part verisq_${name}_for_maps)
   add_library(${part} OBJECT)

@@ -39,7 +39,7 @@ namespace {
 
 constexpr int not_started = 127;  // as shells have it
 
-/// Between fork and exec nothing but what signal handlers may call.
+/// Between fork and exec only functions that signal handlers may call are allowed.
 [[noreturn]] void become(const char* program, char* const* argv, const char* folder, const char* out, const char* err,
                          pid_t parent) {
 #ifdef __linux__
@@ -107,7 +107,7 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Programs end with the line that says why.
+/// The last line of a program's output: programs end with the reason of a failure.
 std::string last_line_of(const std::filesystem::path& path) {
   std::string text = text_of(path);
   while (text.ends_with('\n')) text.pop_back();
@@ -166,7 +166,7 @@ class Batch {
     return place && *place < cases_.size() ? place : std::nullopt;
   }
 
-  // What cannot be read is the case's failure, like all that its process finds.
+  // An unreadable input is the case's failure, like all errors that its process finds.
   [[nodiscard]] std::optional<std::vector<SubjectFile>> digests_of_inputs(std::size_t place) {
     std::vector<SubjectFile> inputs;
     try {
@@ -242,7 +242,7 @@ class Batch {
     }
   }
 
-  // What was under way is run again.
+  // Cases under way are run again.
   void end_all() {
     run_.interrupted = true;
     for (const Running& running : running_) running.process.end();

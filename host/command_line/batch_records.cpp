@@ -27,7 +27,7 @@
 namespace verisq::command_line {
 namespace {
 
-/// Nothing where a quote does not end, or text follows one.
+/// Nothing if a quote does not end, or if text follows a closing quote.
 std::optional<std::vector<std::string>> fields_of(std::string_view line) {
   std::vector<std::string> fields;
   for (bool more = true; more;) {
@@ -140,7 +140,7 @@ Json json_of(const std::vector<SubjectFile>& files) {
   return list;
 }
 
-/// What a record must say to be one of this case.
+/// The members that identify the record of this case.
 Json identity(const BatchCase& of, const std::vector<SubjectFile>& inputs) {
   return {{"format", record_format}, {"version", VERISQ_VERSION}, {"case", of.name},
           {"command", of.command},   {"arguments", of.arguments}, {"inputs", json_of(inputs)}};
@@ -165,7 +165,7 @@ std::optional<Enclosure> enclosure_in(const Json& object) {
   return Enclosure{end_in(object, "lo", -infinity), end_in(object, "hi", infinity)};
 }
 
-/// Of `map`, `fit`, `insert`; of `distance` and `path`, whose answer it is.
+/// The distance of `map`, `fit`, `insert`; for `distance` and `path` it is the answer itself.
 std::optional<Enclosure> smallest_in(const Json& summary) {
   const auto found = summary.find("smallest_distance");
   return found != summary.end() ? enclosure_in(*found) : enclosure_in(summary);
@@ -390,7 +390,7 @@ std::string units_of(const CaseResult& result) {
   return escaped(units_behind(result.units));
 }
 
-/// Failures first, then the nearest: what has to be looked at stands on top.
+/// Failures first, then the nearest: the cases that need attention stand on top.
 std::vector<std::size_t> order_of(std::span<const CaseResult> results) {
   std::vector<std::size_t> order(results.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -48,7 +48,7 @@ std::string_view words(stance::JointControl control) {
                                                : "turned from where the file has them as the proportional gains allow";
 }
 
-/// What the numbers are of.
+/// Describes the box of parameters of the numbers.
 std::string box_of(const EquilibriumAnswer& answer) {
   if (answer.parameters.empty()) return "of                   the body whose parameters are nominal\n";
   std::string text =

@@ -1,4 +1,4 @@
-/// `verisq check`: reads what is to be proved again, and prints what was proved.
+/// `verisq check`: reads the answer to be proved again, and prints the result.
 #include "host/command_line/check_command.hpp"
 
 #include <fmt/core.h>
@@ -54,7 +54,8 @@ JsonObject object_of(const MapDifference& falsified) {
           {"expected", falsified.expected}};
 }
 
-/// Of all rows, or of none; and not of a map that is another one's.
+/// Returns whether to state the smallest distance: all rows must be there, and none refuted, as rows of another map may
+/// be.
 bool tells_smallest(const CheckReport& report) {
   return report.missing == 0 && report.refuted == 0 && !report.interrupted && std::isfinite(report.smallest.width());
 }

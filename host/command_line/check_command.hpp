@@ -290,36 +290,36 @@ struct PosesReport {
 
 // `verisq check --certificate` of a path: how near two models come while one of them moves, proved again.
 
-/// `verified` only when every claim is proved, and the smallest distance has an end. Throws Error(input) for what the
-/// user can correct, also for other models than those that the answer is about.
+/// `verified` only when every claim is proved, and the smallest distance has an end. Throws Error(input) for errors
+/// that the user can correct, also for models other than those of the answer.
 ExitStatus run_check(const PathAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of a way in: the smallest distance of every vertex along it proved again.
 
-/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can
-/// correct, also for another model or mesh than those that the answer is about.
+/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for errors that the
+/// user can correct, also for a model or mesh other than those of the answer.
 ExitStatus run_check(const InsertionAnswer& answer, const CheckArguments& arguments);
 
-// What `verisq check --certificate` of a fit says of the sides on which the implant's parts lie.
+// The statements of `verisq check --certificate` for a fit about the sides on which the implant's parts lie.
 
 struct SideCheckReport {
-  std::vector<Verdict> verdicts = {};   ///< one a claim; none of an interrupted check
+  std::vector<Verdict> verdicts = {};   ///< one for each claim; none for an interrupted check
   std::vector<std::string> names = {};  ///< of all primitives
   std::size_t rims = 0;                 ///< over which the mesh was closed
-  std::optional<bool> outward = {};     ///< its normals point there
+  std::optional<bool> outward = {};     ///< whether its normals point outward
   bool interrupted = false;
 
   [[nodiscard]] bool all_proved() const;
 };
 
-/// Reads model and mesh where something is claimed. Throws Error(input).
+/// Reads model and mesh if there are claims. Throws Error(input).
 [[nodiscard]] SideCheckReport checked_sides(const FitAnswer& answer, const CheckArguments& arguments);
 
-/// A line a claim, and one of the primitives of which nothing is claimed.
+/// A line for each claim, and one for the primitives without a claim.
 [[nodiscard]] std::string sides_in_words(const FitAnswer& answer, const SideCheckReport& report);
 [[nodiscard]] JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report);
 
-// Which distances serve and what vertices weigh, as a certificate states it: for its reader to see.
+// The wanted distances and the weights of vertices, as a certificate states them, for its reader.
 
 /// "0.5 mm", or "0.5".
 [[nodiscard]] std::string with_units(const std::string& number, const std::string& units);
@@ -330,43 +330,43 @@ struct SideCheckReport {
 /// Objects with "name", "weight" and "points".
 [[nodiscard]] JsonValue areas_of(const StatedTerms& terms);
 
-// `verisq check --certificate` of a fit: every distance proved, and then what they say together.
+// `verisq check --certificate` of a fit: every distance proved, and then their joint statements.
 
-/// `verified` only when every distance and every claim is proved. Throws Error(input) for what the user can correct,
-/// also for another model or mesh than those that the answer is about.
+/// `verified` only when every distance and every claim is proved. Throws Error(input) for errors that the user can
+/// correct, also for a model or mesh other than those of the answer.
 ExitStatus run_check(const FitAnswer& answer, const CheckArguments& arguments);
 
-// `verisq check --certificate` of how good a fit can be at best: proves its bound again.
+// `verisq check --certificate` of a fit's best possible objective: proves its bound again.
 
-/// `verified` only when the bound is proved. Throws Error(input) for what the user can correct, also for other models,
-/// or another mesh, than those that the answer is about.
+/// `verified` only when the bound is proved. Throws Error(input) for errors that the user can correct, also for models
+/// or a mesh other than those of the answer.
 ExitStatus run_check(const BestFitAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of a deviation: proves it again from the distances that the file holds.
 
-/// Throws Error(input) for what the user can correct, also for other files than those that the answer is about.
+/// Throws Error(input) for errors that the user can correct, also for files other than those of the answer.
 ExitStatus run_check(const DeviationAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of areas in contact: proves each of them again.
 
-/// `verified` only when every claim is proved. Throws Error(input) for what the user can correct, also for another
-/// model or mesh than the answer is about.
+/// `verified` only when every claim is proved. Throws Error(input) for errors that the user can correct, also for a
+/// model or mesh other than those of the answer.
 ExitStatus run_check(const ContactAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of a model within a mesh, or around it: proves it again.
 
-/// `verified` only when that is proved. Throws as that of areas in contact.
+/// `verified` only when the containment is proved. Throws like the check of areas in contact.
 ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& arguments);
 
-// `verisq check --certificate` of where a body stands still: proves it once more, at 127 bits.
+// `verisq check --certificate` of a body's equilibrium: proves it once more, at 127 bits.
 
-/// Throws Error(input) for what the user can correct, also for another model than the one that the answer is about.
+/// Throws Error(input) for errors that the user can correct, also for a model other than that of the answer.
 ExitStatus run_check(const EquilibriumAnswer& answer, const CheckArguments& arguments);
 
 // `verisq check --certificate` of a femur's features: encloses them once more, at 127 bits.
 
-/// Throws Error(input) for what the user can correct, also for other files than those that the answer is about, where
-/// some are given.
+/// Throws Error(input) for errors that the user can correct, also for files other than those of the answer, if some are
+/// given.
 ExitStatus run_check(const FeaturesAnswer& answer, const CheckArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -31,7 +31,7 @@ bool is_cloud(const DeviationAnswer& answer) {
   return answer.certificate.triangles.empty();
 }
 
-/// What is missing, or is not what the answer is about.
+/// Refuses inputs that are missing, or that do not belong to the answer.
 void refuse_other_subjects(const DeviationAnswer& answer, const CheckArguments& arguments) {
   const std::string& certificate = arguments.certificate;
   const char* const wanted = is_cloud(answer) ? "--points" : "--mesh";
@@ -144,7 +144,7 @@ JudgedAnswer judged(const ContactAnswer& answer, const Model& model, const Mesh&
                 .progress = [&bar](double done) { bar.update_state("samples", done); }});
 }
 
-/// Whose surface the implant's own is, by name.
+/// The names of the primitives whose surface counts as the implant's own.
 std::vector<std::string> counted_primitives(const ContactAnswer& answer, const Model& model) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < answer.counted.size(); ++k) {
@@ -153,7 +153,7 @@ std::vector<std::string> counted_primitives(const ContactAnswer& answer, const M
   return names;
 }
 
-/// How many triangles each has.
+/// The number of triangles of each region.
 std::vector<std::uint64_t> triangles_by_region(const ContactAnswer& answer) {
   std::vector<std::uint64_t> triangles(answer.regions.size(), 0);
   for (const auto& [region, count] : answer.region_runs) triangles[region] += count;
@@ -186,7 +186,7 @@ std::string contact_claims_in_words(const ContactAnswer& answer, const JudgedAns
       unbounded_above_in_words, units);
 }
 
-/// The line of what counts as the implant's own surface, if that is claimed.
+/// The line that describes the implant's own surface, if that is claimed.
 std::string own_surface_in_words(const std::vector<std::string>& primitives) {
   if (primitives.empty()) return "not claimed          how much of the model's own surface is in contact\n";
   return fmt::format(

@@ -65,7 +65,7 @@ void add_statistics(std::vector<Line>& lines, const std::string& direction, cons
   }
 }
 
-/// Means are as narrow as those of all made them.
+/// Means are as narrow as the means of all regions together required.
 void add_regions(std::vector<Line>& lines, const DeviationReport& report) {
   if (report.region_names.empty()) return;
   lines.push_back({"mesh to model by region", ""});
@@ -98,12 +98,12 @@ std::string tolerance_text(const DeviationReport& report) {
   return fmt::format("{:g}{}", *report.options.tolerance, units_behind(report.units));
 }
 
-/// Of the mesh, or of the points.
+/// The summary of the mesh, or of the points.
 const DistanceSummary& certified_summary(const ProvenDeviation& proven) {
   return proven.from_mesh ? *proven.from_mesh : proven.of_vertices;
 }
 
-/// What matters most first: a picture has room for a few lines.
+/// The most important first: a picture has room for a few lines.
 std::vector<Line> lines_of(const DeviationReport& report) {
   const Deviation& deviation = report.deviation;
   std::vector<Line> lines;
@@ -301,7 +301,7 @@ double parse_percentile(std::string_view option, const std::string& text) {
   return *percent;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.inputs);
   if (arguments.both_ways && arguments.inputs.points.empty()) {
@@ -345,7 +345,7 @@ DeviationOptions options_of(const DeviationArguments& arguments, const Deadline&
   return options;
 }
 
-/// None where none are asked for.
+/// None if none are requested.
 features::Regions regions_of(const Mesh& mesh, const DeviationArguments& arguments) {
   if (arguments.parts > 0) return features::parts_along(mesh, arguments.parts);
   if (arguments.landmarks.empty()) return {};
@@ -358,7 +358,7 @@ features::Regions regions_of(const Mesh& mesh, const DeviationArguments& argumen
   }
 }
 
-/// Returns the name of the file that holds the rows; empty when none was asked for or an interrupted map left none.
+/// Returns the name of the file of the rows; empty if none was requested, or if an interrupted map left none.
 std::string write_rows(const Mesh& mesh, const Deviation& deviation, std::optional<MapWriter>& writer,
                        const std::string& output) {
   if (!writer) return {};
@@ -414,7 +414,7 @@ bool write_certificate(const Model& model, const Mesh& mesh, const DeviationArgu
   return true;
 }
 
-/// Whose certificates no file has room for, however short they are.
+/// Refuses a mesh whose certificates no file has room for, however short they are.
 void refuse_too_many_vertices(const Mesh& mesh, const DeviationArguments& arguments) {
   constexpr std::size_t fewest_bytes = 128;  // of one: two ends and a vector
   const std::size_t most = largest_certificate / fewest_bytes;

@@ -29,7 +29,7 @@ struct ProofArguments {
   std::function<bool()> ended;
 };
 
-/// Of the statistics.
+/// Percentiles of the proven statistics.
 inline const std::vector<double> proven_percentiles{95.0};
 
 /// Ends early once `ended` returns true.

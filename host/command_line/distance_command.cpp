@@ -31,26 +31,28 @@
 
 namespace verisq::command_line {
 
-// What `verisq distance` says about one pose: for people, or as one JSON object.
+// The output of `verisq distance` for one pose: for people, or as one JSON object.
 
 struct DistanceReport {
   Enclosure distance;
   Proximity proximity;
-  bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
-  bool searched = false;   ///< by branch and bound: no closest points
+  bool uncertain = false;    ///< a model has intervals: the enclosure holds for all members; no points, no certificate
+  bool searched = false;     ///< by branch and bound: no closest points
   bool interrupted = false;  ///< Ctrl-C came before the tolerance was reached
-  bool complete = true;      ///< of certificates: neither that nor the time limit came before all pairs were looked at
+  bool complete = true;      ///< for certificates: no interruption or time limit came before all pairs were processed
   std::optional<Point> common = std::nullopt;
-  std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< of a search; each in its model's own frame
+  std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< for a search; each point in its model's own
+                                                                   ///< frame
   std::optional<ClosestPoints> closest = std::nullopt;
-  std::optional<PairCertificate> certificate = std::nullopt;  ///< where it was asked for
-  std::optional<Enclosure> certified = std::nullopt;  ///< of a search: what that proves, which may be less than found
+  std::optional<PairCertificate> certificate = std::nullopt;  ///< set if it was requested
+  std::optional<Enclosure> certified = std::nullopt;  ///< for a search: the enclosure that the certificate proves,
+                                                      ///< which may be wider than the found one
   std::string units = {};                             ///< of both models; empty when not given
   double tolerance = 0.0;
-  bool tightest = false;  ///< of a tolerance of 0: the enclosure is as tight as the method gives
+  bool tightest = false;  ///< for a tolerance of 0: the enclosure is as tight as the method gives
 };
 
-/// Whether the user got what --tol asked for, of a certificate, too.
+/// Returns whether the requested --tol was reached, for a certificate, too.
 [[nodiscard]] inline bool is_verified(const DistanceReport& report) {
   if (report.certified && !verified(*report.certified, report.tolerance)) return false;
   return report.tightest || verified(report.distance, report.tolerance);
@@ -67,17 +69,17 @@ struct DistanceSearch {
   double tolerance;
   std::optional<double> seconds;  ///< the limit; nothing: none
   bool show_progress;
-  bool with_certificate;  ///< what is proven again, and by what, is asked for, too
+  bool with_certificate;  ///< a certificate is requested, too
 };
 
-/// As ModelSearch; an early end is told on standard error.
+/// Like ModelSearch; an early end is reported on the standard error.
 [[nodiscard]] DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose,
                                                const DistanceSearch& search);
 
-// The answers of `distance --poses` with what proves them: the certificate file of many poses.
+// The answers of `distance --poses` with their proofs: the certificate file of many poses.
 
-/// Encloses the distances at all poses of the file on all processors, as maps on the host do; at most until Ctrl-C,
-/// from when on answers are wide. `tolerance` is of those that are searched. Throws as PoseFile.
+/// Encloses the distances at all poses of the file on all processors, like maps on the host. Works until Ctrl-C; later
+/// answers are wide. `tolerance` is for searched distances. Throws like PoseFile.
 [[nodiscard]] std::vector<PosedAnswer> certified_distances(const Model& a, const Model& b, const std::string& poses,
                                                            double tolerance, bool show_progress);
 
@@ -89,8 +91,8 @@ struct DistanceArguments {
   std::string model_b;
   std::optional<Pose> pose;
   std::optional<std::string> poses;   ///< a file, instead of one pose
-  std::optional<std::string> output;  ///< of the distances for `poses`
-  std::optional<PartOption> part;     ///< of those for `poses`
+  std::optional<std::string> output;  ///< for the distances of `poses`
+  std::optional<PartOption> part;     ///< for the distances of `poses`
   std::optional<std::string> device;  ///< for `poses`; "auto" when not given
   std::optional<double> tolerance;
   std::optional<double> time_limit;           ///< in seconds
@@ -104,8 +106,9 @@ struct DistanceArguments {
 
 void declare_distance(Options& options, DistanceArguments& arguments);
 
-/// `verified` when every enclosure is at most the tolerance wide. Throws Error(input) for what the user can correct,
-/// before the first distance is computed (a file of poses is a stream: its later lines are checked as they come).
+/// `verified` when every enclosure is at most the tolerance wide. Throws Error(input) for errors that the user can
+/// correct, before the first distance is computed (a file of poses is a stream: its later lines are checked as they
+/// come).
 ExitStatus run_distance(const DistanceArguments& arguments);
 
 namespace {
@@ -186,7 +189,7 @@ JsonValue json_of(const PairCertificate& certificate) {
   return separations;
 }
 
-/// A common point says more.
+/// Without near points if there is a common point, which is more informative.
 std::optional<std::array<Point, 2>> shown_near_points(const DistanceReport& report) {
   return report.common ? std::nullopt : report.near_points;
 }
@@ -251,8 +254,8 @@ std::string json(const DistanceReport& report) {
 
 namespace {
 
-/// From 0 at the first width to 1 at the tolerance, in the logarithm of the width: it falls by about the same factor
-/// from level to level.
+/// A progress from 0 at the first width to 1 at the tolerance, in the logarithm of the width: the width falls by about
+/// the same factor from level to level.
 class WidthFraction {
  public:
   explicit WidthFraction(double tolerance) : tolerance_(tolerance) {}
@@ -383,7 +386,7 @@ void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
   }
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const DistanceArguments& arguments) {
   if (arguments.certificate_file) {
     std::vector<std::string> inputs{arguments.model_a, arguments.model_b};
@@ -476,7 +479,7 @@ double size_of(const LargestModels& models, const Pose& pose) {
   return size;
 }
 
-/// By certificates of convex primitives. Says what ended before its time.
+/// By certificates of convex primitives. Reports an early end.
 DistanceReport certified_distance(const UncertainModel& a, const UncertainModel& b, const LargestModels& models,
                                   const Pose& pose, double tolerance, const std::optional<double>& seconds) {
   watch_for_interruption();
@@ -484,7 +487,7 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
   limit.start();
   const Stop stop = limit.stop();
   DistanceReport report = distance_of(a, b, pose, stop);
-  // Of uncertain models the width is that of their numbers, whatever the method does.
+  // For uncertain models the width is that of their numbers, whatever the method does.
   const bool at_limit = report.uncertain || verified(report.distance, limit_of_certificates * size_of(models, pose));
   report.tightest = tolerance == 0.0 && report.complete && at_limit;
   const bool lacks_points = !report.uncertain && report.proximity == Proximity::separated && !report.closest;

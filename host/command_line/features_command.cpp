@@ -1,4 +1,4 @@
-/// `verisq features`: head, neck, shaft and condyles of a femur, and what a surgeon measures of them, as intervals.
+/// `verisq features`: head, neck, shaft and condyles of a femur, and a surgeon's measurements of them, as intervals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@
 
 namespace verisq::command_line {
 
-// What `verisq features` prints.
+// The output of `verisq features`.
 
 struct FeaturesReport {
   FemurLandmarks landmarks;
@@ -35,8 +35,8 @@ struct FeaturesReport {
   double landmark_radius;
   std::vector<std::string> notes = {};  ///< how the landmarks were found
   FemurFeatures bone = {};
-  std::vector<std::string> implant_notes = {};  ///< which points of the implant count
-  std::optional<FemurFeatures> changes = {};    ///< by an implant
+  std::vector<std::string> implant_notes = {};  ///< the points of the implant that count
+  std::optional<FemurFeatures> changes = {};    ///< changes by an implant
 };
 
 /// Tables for people.
@@ -46,7 +46,7 @@ struct FeaturesReport {
 /// The features for a report's table, an implant's changes first: a picture has room for a few lines.
 [[nodiscard]] std::vector<ReportLine> report_lines(const FeaturesReport& report);
 
-// `verisq features`: head, neck, shaft and condyles of a femur, and what a surgeon measures of them, as intervals.
+// `verisq features`: head, neck, shaft and condyles of a femur, and a surgeon's measurements of them, as intervals.
 
 /// As typed; `run_features` checks what depends on several of them.
 struct FeaturesArguments {
@@ -57,7 +57,7 @@ struct FeaturesArguments {
   std::optional<Side> side;
   double landmark_radius = 0.0;
   std::string implant;
-  std::string implant_head;  ///< empty: as the implant's file says, else its primitive "head"
+  std::string implant_head;  ///< empty: the point in the implant's file, else the centre of its primitive "head"
   std::string implant_neck;
   std::string written_landmarks;
   std::string axes;
@@ -83,7 +83,7 @@ std::string value_of(const Feature& feature) {
   return fmt::format("{} {}", outward_digits(feature.value), unit_of(feature));
 }
 
-/// What a change does, in a surgeon's words.
+/// The effect of a change, in a surgeon's words.
 struct Consequence {
   std::string_view name;
   const char* of_more;
@@ -96,7 +96,7 @@ constexpr std::array consequences{
     Consequence{"ccd_change", "neck steeper: valgus", "neck flatter: varus"},
 };
 
-/// Only where the whole interval says so.
+/// Only if it holds for the whole interval.
 std::string consequence_of(const Feature& feature) {
   const auto* const found = std::ranges::find(consequences, feature.name, &Consequence::name);
   if (found == consequences.end()) return {};
@@ -256,7 +256,7 @@ void check_usage(const FeaturesArguments& arguments) {
   if (!arguments.axes.empty()) refuse_to_overwrite("--axes", arguments.axes, inputs);
 }
 
-/// What is given takes the place of what was found.
+/// Given landmarks replace the found ones.
 void override_landmarks(FemurLandmarks& found, const FemurLandmarks& given) {
   for (const auto& [name, point] : named_landmarks) {
     if (given.*point) found.*point = given.*point;
@@ -271,7 +271,7 @@ std::optional<Side> side_of(const FeaturesArguments& arguments, const std::optio
   return arguments.side ? arguments.side : of_file;
 }
 
-/// Whether there is nothing that must be found: then a mesh is there to be drawn.
+/// Returns whether no landmark must be found: then a mesh serves only for drawing.
 bool has_all_of_a_proximal_femur(const FemurLandmarks& landmarks) {
   return landmarks.head_centre && landmarks.head_radius && landmarks.neck_centre && landmarks.shaft_proximal &&
          landmarks.shaft_distal;
@@ -285,15 +285,15 @@ DetectedFemur detected(const Mesh& mesh, const std::string& file, const std::opt
   }
 }
 
-/// A bone's surface, and which file it is of.
+/// A bone's surface, and its file.
 struct Surface {
   std::string file;
   Mesh mesh;
-  std::string note = {};  ///< how it was made, where it was
+  std::string note = {};  ///< how it was made, if it was made
   FemurLandmarks named = {};
 };
 
-/// Nothing where it was interrupted.
+/// Nothing if interrupted.
 std::optional<Surface> meshed(const FeaturesArguments& arguments) {
   const Model model = read_model(arguments.model);
   if (!model.units.empty() && model.units != "mm")
@@ -350,7 +350,7 @@ Model figure_of(const Model& axes, const std::optional<Implant>& implant) {
   return figure;
 }
 
-/// Whether each feature whose landmarks are there is enclosed: known exactly, they would say no more of them.
+/// Returns whether each feature whose landmarks exist is enclosed: exact landmarks would give no more features.
 bool says_all(const FeaturesReport& report) {
   const FemurFeatures exactly = femur_features(report.landmarks, report.side, 0.0);
   return report.bone.features.size() == exactly.features.size() &&

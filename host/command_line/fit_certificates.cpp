@@ -1,4 +1,4 @@
-/// What proves the distances and areas in contact of a fit again.
+/// The proofs of the distances and areas in contact of a fit.
 #include <fmt/core.h>
 
 #include <cstddef>
@@ -33,7 +33,7 @@ StatedTerms stated_terms(const FitProblem& problem) {
           .area_runs = runs_of(problem.cavity.area_of)};
 }
 
-/// The distance of every triangle, between its corners too. Nothing is written where interrupted.
+/// Writes the distance of every triangle, between its corners too. Writes nothing if interrupted.
 MapSummary write_surface_map(const FitProblem& problem, const Model& fitted, MapOptions options,
                              const FitArguments& arguments) {
   const Mesh& mesh = problem.mesh;
@@ -208,7 +208,7 @@ ContactFile write_contact_certificate(const FitProblem& problem, const Fit& fit,
                                       const Deadline& limit, const FitArguments& arguments) {
   const std::string& file = arguments.contact_certificate;
   if (file.empty()) return ContactFile::not_asked_for;
-  // The first Ctrl-C may have ended the search: what it found is proven all the same.
+  // The first Ctrl-C may have ended the search: its result is proven all the same.
   const auto ended = [before = interrupted()] { return !before && interrupted(); };
   CertifiedContact certified;
   {

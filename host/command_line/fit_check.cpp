@@ -81,7 +81,7 @@ void refuse_other_primitives(const FitAnswer& answer, const Model& model, const 
   }
 }
 
-/// Which surface that is: how it is turned, and how it is closed where it is not.
+/// Describes the surface: its orientation, and its closing if it is open.
 std::string mesh_in_words(const SideCheckReport& report) {
   std::string text = "the mesh";
   if (report.outward) text += fmt::format(", whose normals point {}", *report.outward ? "outward" : "inward");
@@ -90,14 +90,14 @@ std::string mesh_in_words(const SideCheckReport& report) {
   return text + fmt::format(", closed over {} by fans", over);
 }
 
-/// What lies less deep may be anywhere.
+/// Parts that lie less deep may be anywhere.
 std::string depth_in_words(const FitAnswer& answer) {
   const double limit = answer.terms.penetration_limit;
   if (limit == 0.0) return "all of it";
   return fmt::format("all of it that is deeper in it than {}", with_units(fmt::format("{}", limit), answer.units));
 }
 
-/// What is wrong with the mesh is told with its name.
+/// Reports errors of the mesh with its name.
 SideChecker checker_of(const Model& model, const CheckArguments& arguments, double penetration_limit) try {
   return {model, read_mesh(arguments.inputs.mesh), penetration_limit};
 } catch (const Error& error) {
@@ -106,7 +106,7 @@ SideChecker checker_of(const Model& model, const CheckArguments& arguments, doub
   refuse(fmt::format("{}: {}", arguments.inputs.mesh, error.what()));
 }
 
-/// Primitives of which nothing is claimed.
+/// The primitives without a claim.
 std::vector<std::string> others_of(const FitAnswer& answer, const SideCheckReport& report) {
   std::vector<std::string> others = report.names;
   for (const SideClaim& claim : answer.sides) others[claim.primitive].clear();
@@ -176,9 +176,9 @@ namespace {
 
 struct FitCheckReport {
   CheckReport vertices;
-  std::optional<CheckReport> surface = {};  ///< of triangles, where the fit claims something of them
-  Clearance proven = {};                    ///< what the vertices' distances say together
-  std::vector<Finding> findings = {};       ///< one a claim; none of an interrupted check
+  std::optional<CheckReport> surface = {};  ///< for triangles, if the fit has claims about them
+  Clearance proven = {};                    ///< the joint statements of the vertices' distances
+  std::vector<Finding> findings = {};       ///< one for each claim; none for an interrupted check
   std::uint64_t unbounded = 0;              ///< claims that have an infinite end
   SideCheckReport sides = {};
 
@@ -196,7 +196,7 @@ bool claims_surface(const FitAnswer& answer) {
   return std::ranges::find(answer.claims, "surface_distance", &ClearanceClaim::what) != answer.claims.end();
 }
 
-/// What is missing, or is not what the answer is about.
+/// Refuses inputs that are missing, or that do not belong to the answer.
 void refuse_other_subjects(const FitAnswer& answer, const CheckArguments& arguments) {
   const std::string& certificate = arguments.certificate;
   if (arguments.models.size() != 1)
@@ -219,7 +219,7 @@ void refuse_other_elements(const MapReader& map, MapElements expected, const std
   refuse(fmt::format("{}: is no map of {}", file, expected == MapElements::vertices ? "vertices" : "triangles"));
 }
 
-/// Of vertices that have no row, or an unproved one, nothing is known.
+/// Nothing is known about vertices without a row, or with an unproved one.
 std::vector<Enclosure> check_vertices(const CheckArguments& arguments, FitCheckReport& report) {
   MapReader map(arguments.map);
   refuse_other_elements(map, MapElements::vertices, arguments.map);
@@ -255,7 +255,7 @@ void judge_claims(const FitAnswer& answer, const std::vector<Enclosure>& distanc
       answer.claims, [](const ClearanceClaim& claim) { return !std::isfinite(claim.value.width()); }));
 }
 
-/// What a claim is about, in words, and whether that is a length.
+/// The subject of a claim, in words, and whether it is a length.
 struct Words {
   std::string_view what;
   std::string_view words;
@@ -284,7 +284,7 @@ std::string in_words(const FitAnswer& answer, const ClearanceClaim& claim) {
   return fmt::format("{}: {}{}", is_known && known->is_length ? with_units(value, answer.units) : value, what, area);
 }
 
-/// What the proven distances say of the limit, whatever is claimed of it.
+/// The proven statement about the limit, whatever is claimed.
 std::string limit_in_words(const FitAnswer& answer, const FitCheckReport& report) {
   const std::uint64_t points = points_of(answer.terms);
   std::string text = with_units(fmt::format("{}", answer.terms.penetration_limit), answer.units);
@@ -375,7 +375,7 @@ struct BestFitCheckReport {
   double seconds;
 };
 
-/// What is missing, or is not what the answer is about.
+/// Refuses inputs that are missing, or that do not belong to the answer.
 void refuse_other_subjects(const BestFitAnswer& answer, const CheckArguments& arguments) {
   const std::string& certificate = arguments.certificate;
   if (arguments.models.size() != answer.models.size()) {
@@ -413,7 +413,7 @@ BestFitCheckReport checked(const BestFitAnswer& answer, const std::vector<Model>
   return report;
 }
 
-/// Of the claim, or of what is proven instead.
+/// Describes the bound of the claim, or the proven one instead.
 std::string bound_in_words(double upper) {
   if (upper == -infinity) return "no pose of the range keeps the limit at all vertices";
   return fmt::format("F of any pose that keeps the limit is at most {}", upper);

@@ -1,4 +1,4 @@
-/// `verisq fit`: its options, what is asked of the fit, and its run.
+/// `verisq fit`: its options, the request of the fit, and its run.
 #include "host/command_line/fit_command.hpp"
 
 #include <fmt/core.h>
@@ -83,7 +83,7 @@ FitRequest read_fit_request(const FitArguments& arguments) {
 namespace {
 
 constexpr std::size_t most_samples = 1'000'000'000;
-// Colours end at so many times the farthest distance that serves: what matters is near the implant.
+// Colours end at so many times the largest useful distance: the relevant places are near the implant.
 constexpr double gaps_shown = 5.0;
 
 constexpr const char* closing_words =
@@ -130,7 +130,7 @@ constexpr const char* closing_words =
     "  verisq fit --implant size1.json --implant size2.json --mesh coxa.ply --bone --labels region --weight 2=5 \\\n"
     "    -o fitted.json";
 
-/// What is written must not be what is read, or written too.
+/// No output may be an input, or another output.
 void check_outputs(const FitArguments& arguments) {
   std::vector<std::string> inputs = arguments.implants;
   inputs.insert(inputs.end(), arguments.instruments.begin(), arguments.instruments.end());
@@ -174,14 +174,14 @@ class FitProgressBars {
                           progress.done);
   }
 
-  /// `seconds` of the bound, whose `known` objective it is of.
+  /// Shows the progress of the bound after `seconds`; `known` is the known objective.
   void show(const FitBoundProgress& progress, double known, double seconds) {
     begin(bound_, search_, "boxes");
     bound_->update_state(fmt::format("F of any pose at most {:.6g}, found {:.6g}", progress.upper, known),
                          std::min(seconds / arguments_.bound_time, 1.0));
   }
 
-  /// Before anything else is said.
+  /// To be called before anything else is printed.
   void clear() {
     search_.reset();
     bound_.reset();
@@ -229,14 +229,14 @@ double tolerance_of(const FitArguments& arguments, const Model& fitted) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(fitted), "the model");
 }
 
-/// And the rows of all vertices.
+/// The proof, and the rows of all vertices.
 struct MappedProof {
   FitProof proof;
   std::vector<MapResult> rows;
   std::vector<Certificate> certificates;  ///< none, or one a row
 };
 
-/// Of all vertices, or of those that an interruption left. `map` is nothing when not asked for.
+/// Proves all vertices, or those before an interruption. `map` is nothing if not requested.
 MappedProof prove(const FitProblem& problem, const FitSolution& solution, const MapOptions& options, bool show_progress,
                   std::optional<MapWriter>& map) {
   ProgressBar bar(show_progress, "points");
@@ -310,8 +310,8 @@ void explain(const FitSummary& summary) {
   for (const std::string& sentence : broken_contacts(summary)) tell(sentence);
 }
 
-/// Where nothing was found that keeps the limit and its sides, and nobody said where to look: the usual reason is that
-/// the implant's file is of another frame than the bone's.
+/// A hint, if no pose was found that keeps the limit and its sides, and no start was given: usually the implant's file
+/// has another frame than the bone's.
 void hint_where_to_look(const FitSummary& summary, const FitArguments& arguments) {
   const bool found = summary.fit.within_limit && broken_sides(summary).empty();
   if (found || summary.fit.interrupted || arguments.pose_start || arguments.translation_range) return;
@@ -354,7 +354,7 @@ double parse_rotation(std::string_view option, const std::string& text) {
   return degrees;
 }
 
-/// On which side of the mesh the implant has to be.
+/// The side of the mesh on which the implant must be.
 void declare_sides(Options& options, FitArguments& arguments) {
   options.add_flag("--cavity", arguments.cavity,
                    "The mesh is the surface of a cavity: the implant has to lie inside it (default for a closed mesh "
@@ -376,7 +376,7 @@ KeptFeature parse_kept(std::string_view option, const std::string& text) {
   return {name, range};
 }
 
-/// What of the bone is to be preserved.
+/// The features of the bone that are to be preserved.
 void declare_preservation(Options& options, FitArguments& arguments) {
   options.add("--landmarks", arguments.landmarks, "FILE",
               "The bone's, as `verisq features -o` writes them: says what the implant changes, of the points that its "
@@ -391,7 +391,7 @@ void declare_preservation(Options& options, FitArguments& arguments) {
                    "Encloses how much of the implant's own surface is in contact, too");
 }
 
-/// Which pose is best, and which are allowed at all.
+/// The objective of the pose, and the conditions of allowed poses.
 void declare_aims(Options& options, FitArguments& arguments) {
   options.add("--objective", arguments.objective,
               choice<FitObjective>({{"fitness", FitObjective::fitness}, {"size", FitObjective::size}}), "WHAT",
@@ -410,7 +410,7 @@ void declare_aims(Options& options, FitArguments& arguments) {
               "What keeps that limit: triangles (default where the mesh has any), the whole surface; or vertices");
 }
 
-/// Where poses are searched.
+/// The range in which poses are searched.
 void declare_search(Options& options, FitArguments& arguments) {
   options.add("--pose-start", arguments.pose_start, parse_pose, "tx,ty,tz,qw,qx,qy,qz",
               "Where the search begins: moves the implant as its file places it (default: leaves it there)");
@@ -482,7 +482,7 @@ FitProblem checked_problem(const FitArguments& arguments) {
   return problem;
 }
 
-/// All but what is measured or written after the proofs: the instrument, seconds, certificates.
+/// All members but those measured or written after the proofs: the instrument, seconds, certificates.
 FitSummary summary_of(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,
                       const FitArguments& arguments) {
   const Fit& found = solution.fit;
@@ -519,7 +519,7 @@ FitSummary summary_of(const FitProblem& problem, const FitSolution& solution, co
           .bound_certificate = arguments.bound_certificate};
 }
 
-/// True where a certificate that was asked for is not written, or proves less than was asked.
+/// True if a requested certificate is not written, or proves less than requested.
 bool lacks_certificates(const FitSummary& summary, ContactFile contact, ExitStatus of_rows) {
   const bool lacks_bound = summary.best && !summary.bound_certificate.empty() && !summary.certified_upper;
   return lacks_bound || of_rows == ExitStatus::unverified || contact == ContactFile::too_large ||

@@ -101,8 +101,8 @@ struct InstrumentClearance {
   MeshClearance surface;  ///< of the whole bone
 };
 
-/// Proves it of the chosen implant's, as much as is done when `stop` says so. Errors as mesh_clearance. Precondition: a
-/// mesh with triangles.
+/// Proves the clearance of the chosen implant's instrument, as far as possible until `stop` returns true. Errors as
+/// those of mesh_clearance. Precondition: a mesh with triangles.
 [[nodiscard]] InstrumentClearance prove_instrument(const FitProblem& problem, const Fit& fit,
                                                    const Instrument& instrument, const std::function<bool()>& stop);
 
@@ -175,14 +175,14 @@ struct FitSummary {
   std::optional<InstrumentClearance> instrument;  ///< of the chosen implant's; nothing where none is given
   FitSurface side_of;
   std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
-  std::optional<Sides> sides;               ///< likewise
+  std::optional<Sides> sides;               ///< the proven sides; none where the surface is unsided
   FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
-  std::vector<KeptFeature> kept;            ///< ranges asked of them
+  std::vector<KeptFeature> kept;            ///< ranges required of them
   std::optional<ContactAreas> contact;      ///< nothing for a mesh without triangles
-  double contact_distance;                  ///< no farther is contact
+  double contact_distance;                  ///< all requirements
   std::vector<FitCondition> conditions;     ///< all that is asked
-  std::vector<std::string> unfinished;      ///< what the time limit left open
-  std::vector<FitTrial> trials;             ///< what was not chosen
+  std::vector<std::string> unfinished;      ///< the results that the time limit left open
+  std::vector<FitTrial> trials;             ///< the candidates that were not chosen
   std::vector<std::string> names;           ///< files of the series
   FitObjective maximised;
   double landmark_radius;

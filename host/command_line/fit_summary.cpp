@@ -110,7 +110,7 @@ Lines surface_lines(const MeshClearance& surface, const std::string& units) {
           {"  undecided", fmt::format("{} triangles", surface.undecided)}};
 }
 
-/// What its surface says of the bone's: of bone deeper inside it nothing is known to this.
+/// The statement about the bone's surface; about bone deeper inside, the instrument's clearance says nothing.
 Lines instrument_lines(const FitSummary& summary) {
   if (!summary.instrument) return {};
   const auto& [file, surface] = *summary.instrument;
@@ -137,7 +137,7 @@ std::string_view surface_name(FitSurface surface) {
   return surface == FitSurface::cavity ? "cavity" : "bone";
 }
 
-/// What was found, after the primitive's name.
+/// Describes the finding, after the primitive's name.
 std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surface) {
   const std::string_view side = to_string(required);
   const std::string_view other = required == SurfaceSide::inside ? "outside" : "inside";
@@ -164,7 +164,7 @@ std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surfa
   return "";
 }
 
-/// Of those primitives.
+/// The names of those primitives.
 template <class Holds>
 std::string names_where(const FitSummary& summary, const Holds& holds) {
   std::vector<std::string> names;
@@ -175,7 +175,7 @@ std::string names_where(const FitSummary& summary, const Holds& holds) {
   return quotation(names);
 }
 
-/// What the limit of penetration takes out of what is proven of a part; "" where it is 0.
+/// The part of a primitive that the limit of penetration exempts from a proof; "" if the limit is 0.
 std::string exemption(const FitSummary& summary) {
   if (summary.penetration_limit == 0.0) return "";
   return fmt::format(", but for what lies at most {:.10g}{} deep in them,", summary.penetration_limit,
@@ -211,7 +211,7 @@ std::string in_words(const KeptFeature& kept) {
   return fmt::format("{:.10g} to {:.10g}", kept.range.lo, kept.range.hi);
 }
 
-/// Under which what is proven of changes holds; "" where landmarks are exact.
+/// The condition under which proven changes hold; "" if landmarks are exact.
 std::string condition(const FitSummary& summary) {
   if (summary.landmark_radius == 0.0) return "";
   return fmt::format(" for all landmarks within {:.10g}{}", summary.landmark_radius, units_of(summary));
@@ -223,12 +223,13 @@ std::string verdict(const FitSummary& summary, const Enclosure& value, const Kep
   return fmt::format("{}: {}, proven{}", in_words(kept), *within ? "kept" : "BROKEN", condition(summary));
 }
 
-/// Whether a range is asked of that change.
+/// Returns whether a range is required of that change.
 bool is_asked(const FitSummary& summary, const Feature& change) {
   return std::ranges::find(summary.kept, change.name, &KeptFeature::name) != summary.kept.end();
 }
 
-/// Proven to be within all ranges asked of it, or proven not to be; nothing where that is open.
+/// True if it is proven to be within all ranges required of it, false if it is proven not to be; nothing if that is
+/// open.
 std::optional<bool> is_kept(const FitSummary& summary, const Feature& change) {
   bool decided = true;
   for (const KeptFeature& kept : summary.kept) {
@@ -275,7 +276,7 @@ Lines bound_lines(const FitSummary& summary) {
   return lines;
 }
 
-/// What is asked of contact, after its enclosure.
+/// The verdict on the requirement of contact, after its enclosure.
 std::string verdict_of_contact(const FitSummary& summary, const std::string& name) {
   std::string text;
   for (const FitCondition& condition : summary.conditions) {
@@ -353,7 +354,7 @@ Lines size_lines(const FitSummary& summary) {
   return {{"size", text}};
 }
 
-/// What is known of one that was not chosen.
+/// Describes the results for a pose that was not chosen.
 std::string in_words(const FitSummary& summary, const FitTrial& trial) {
   const FitFinalist& found = trial.fit;
   std::string text = fmt::format("F about {:.6g}", found.objective);
@@ -454,7 +455,7 @@ std::string text_of(const Lines& lines) {
   return text;
 }
 
-/// Of each area that has points, in units of the model.
+/// A row for each area that has points, in units of the model.
 std::string distance_table(const FitSummary& summary) {
   constexpr int digits = 4;
   std::string text = fmt::format("{:<20}{:<20}{:<28}area\n", "mean distance", "median", "95 % of the points at most");
@@ -506,7 +507,7 @@ JsonValue instrument_json(const FitSummary& summary) {
   return JsonObject{{"file", summary.instrument->file}, {"surface", surface_json(summary.instrument->surface)}};
 }
 
-/// The gap that was asked for is proven, or none was.
+/// True if the requested gap is proven, or none was requested.
 bool is_good_enough(const FitSummary& summary) {
   return !summary.best || (summary.best->gap && *summary.best->gap <= summary.best->asked);
 }

@@ -34,7 +34,7 @@ void refuse_one_file_twice(const std::vector<std::string>& outputs);
 /// Adds --pose.
 void add_pose(Options& options, std::optional<Pose>& pose);
 
-/// The model, moved (verisq/posed_model.hpp) where there is a pose. Throws Error(input).
+/// The model, moved (`posed` of verisq/distance.hpp) if there is a pose. Throws Error(input).
 [[nodiscard]] Model moved_by(const std::optional<Pose>& pose, const Model& model, const std::string& file);
 
 /// The file's model, moved by the pose.

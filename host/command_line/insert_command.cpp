@@ -37,7 +37,7 @@
 
 namespace verisq::command_line {
 
-// What `verisq insert` says about the whole bone: for people, or as one JSON object.
+// The output of `verisq insert` about the whole bone: for people, or as one JSON object.
 
 struct InsertReport {
   MapSummary summary = {};
@@ -71,12 +71,12 @@ struct InsertReport {
   [[nodiscard]] bool interrupted() const;
 };
 
-/// Counts the rows; the rest of the report is the caller's.
+/// Counts the rows; the caller fills in the rest of the report.
 void count(const Insertion& insertion, InsertReport& report);
 
 [[nodiscard]] std::string readable(const InsertReport& report);
 
-/// What of it a reader of the page wants to know.
+/// The lines of the report for readers of the page.
 [[nodiscard]] std::vector<ReportLine> report_lines(const InsertReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
@@ -107,7 +107,7 @@ struct InsertArguments {
 
 void declare_insert(Options& options, InsertArguments& arguments);
 
-/// Throws Error(input) for what the user can correct, before the first distance is computed.
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
 ExitStatus run_insert(const InsertArguments& arguments);
 
 namespace {
@@ -238,7 +238,8 @@ std::string readable(const InsertReport& report) {
     text +=
         fmt::format("certificate          {}, of {}\n", quotation(report.certificate), subjects_of_certificate(report));
     if (report.looser_certificates > 0)
-      text += fmt::format("  wider rows         of {} points than without the certificate\n", report.looser_certificates);
+      text +=
+          fmt::format("  wider rows         of {} points than without the certificate\n", report.looser_certificates);
     if (is_surface_certified_less(report))
       text += fmt::format("  proves less        of the whole surface: smallest distance {}\n",
                           outward_digits(*report.certified_surface));
@@ -374,7 +375,7 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 --search-cone 15 --search-turn 20 -o removal.vtp";
 
-/// Where they contradict each other, or leave open where bone ends.
+/// Refuses options that contradict each other, or that leave open where bone ends.
 void check_bone_options(const InsertArguments& arguments) {
   if (arguments.cavity && arguments.bone) refuse("give only one of --cavity and --bone");
   if (arguments.within && !arguments.cavity) refuse("--within: only with --cavity");
@@ -386,7 +387,7 @@ bool is_searched(const InsertArguments& arguments) {
   return arguments.search_cone || arguments.search_turn;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   command_line::check_usage(arguments.inputs);
   if (arguments.inputs.poses && is_searched(arguments))
@@ -412,7 +413,7 @@ void require_certificates(const InsertArguments& arguments, const Model& implant
                   arguments.inputs.implant));
 }
 
-/// Nothing is claimed yet.
+/// An answer without claims.
 InsertionAnswer answer_about(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant) {
   return {.model = subject_file(arguments.inputs.implant),
           .mesh = subject_file(arguments.inputs.mesh),
@@ -448,7 +449,7 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
   return answer;
 }
 
-/// With a resection nothing of them: its rows are not those of the mesh.
+/// With a resection the rows are not certified: they are not the rows of the mesh.
 std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, std::span<const Pose> path,
                                               const Model& implant, const Mesh& bone, const InsertionOptions& options,
                                               Insertion& insertion, InsertReport& report) {
@@ -456,7 +457,7 @@ std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, 
   return certify(arguments, path, implant, bone, options, insertion, report);
 }
 
-/// Of whatever was not interrupted.
+/// Writes the certificate of an answer that was not interrupted.
 void write_certificate(const std::string& file, std::optional<InsertionAnswer> answer, InsertReport& report) {
   if (!answer || (answer->rows.empty() && !answer->removed)) {
     tell(fmt::format("{}; {} is not written", reason_of_end(), file));
@@ -495,7 +496,7 @@ double volume_tolerance_of(const InsertArguments& arguments) {
   return arguments.volume_tolerance.value_or(usual_volume_tolerance);
 }
 
-/// In cubic model units.
+/// The tolerance in cubic model units.
 double least_volume_tolerance_of(const InsertArguments& arguments, const Model& implant) {
   return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
@@ -516,7 +517,7 @@ LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant
                         }});
 }
 
-/// In radians, about: for people.
+/// The angle in radians, about: for people.
 double angle_between(const Point& direction, const Point& other) {
   const Point a = verify::near_one(direction);
   const Point b = verify::near_one(other);
@@ -525,7 +526,7 @@ double angle_between(const Point& direction, const Point& other) {
   return std::atan2(across, along);
 }
 
-/// Of the ways of the family the one that takes least away, and what that is.
+/// Searches the family for the way that takes the least bone away, and the volume of that.
 void search_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone, const Deadline& limit,
                 InsertReport& report) {
   const Stopwatch time;
@@ -554,8 +555,8 @@ RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<cons
                          }});
 }
 
-/// The volume is the certificate's from here on, unless that is wider than asked for, and than what was found. Nothing
-/// where it was interrupted.
+/// The volume becomes the certificate's, unless that is wider than requested, and than the found one. Nothing if
+/// interrupted.
 std::optional<RemovalAnswer> certify_removal(const InsertArguments& arguments, std::span<const Pose> path,
                                              const Model& implant, const BoneRegion& bone, const Deadline& limit,
                                              InsertReport& report) {
@@ -590,8 +591,8 @@ MeshClearance surface_along(std::span<const Pose> path, const Model& implant, co
       {.tolerance = options.tolerance, .device = options.device, .interrupted = options.interrupted});
 }
 
-/// Vertices by what their certificates prove. The surface's enclosure is its certificate's from here on, unless that is
-/// wider than asked for, and than what was found. Nothing where it was interrupted.
+/// Vertices by the enclosures that their certificates prove. The surface's enclosure becomes its certificate's, unless
+/// that is wider than requested, and than the found one. Nothing if interrupted.
 std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments, std::span<const Pose> path,
                                                 const Model& implant, const Mesh& bone, const InsertionAnswer& answer,
                                                 InsertionOptions options, InsertReport& report) {
@@ -609,7 +610,7 @@ std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments
   return WaySurfaceAnswer{proven, std::move(certified.certificate)};
 }
 
-/// And certifies it, where the rows are certified.
+/// Encloses the surface, and certifies it if the rows are certified.
 void enclose_surface(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
                      const Mesh& bone, std::optional<InsertionAnswer>& certified, const InsertionOptions& options,
                      InsertReport& report) {
@@ -641,7 +642,7 @@ void write_report(const InsertArguments& arguments, const Inserted& inserted, co
          .path = inserted.path});
 }
 
-/// The whole surface's penetration, and the volume, are as narrow as asked for.
+/// True unless the rows, the whole surface's penetration, and the volume are as narrow as requested.
 bool is_wide(const InsertReport& report) {
   return report.summary.wide > 0 ||
          (report.surface && !verified(report.surface->smallest_distance, report.tolerance)) ||

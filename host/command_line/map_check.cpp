@@ -31,7 +31,7 @@ namespace verisq::command_line {
 
 void StatusConsistency::add(std::uint64_t index, const MapResult& row, const TightestWidths& tightest) {
   const double difference = row.distance.width();
-  // Where both ends are the same infinity nothing is bounded.
+  // If both ends are the same infinity, nothing is bounded.
   const double width = std::isnan(difference) ? infinity : difference;
   const bool is_wide = row.status == Status::wide;
   if (is_wide ? width <= tightest.surely : width > tightest.possibly) tightest_explains_ = false;
@@ -93,7 +93,7 @@ class Tally {
   CheckReport report_{};
 };
 
-/// Counts what is left of a stream that `read` fills into `chunk`.
+/// Counts the rest of a stream that `read` fills into `chunk`.
 template <typename Stream, typename Item>
 std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
   std::uint64_t rest = 0;
@@ -107,12 +107,13 @@ std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
                      arguments.inputs.mesh + arguments.inputs.points));
 }
 
-/// What the map should draw: the mesh, or the points of a stream, which are kept only where the map draws anything.
+/// The elements that the map should draw: the mesh, or the points of a stream, which are kept only if the map draws
+/// anything.
 class Drawing {
  public:
   Drawing(const Mesh* mesh, bool wanted) : mesh_(mesh), wanted_(wanted) {}
 
-  /// In the order of the stream.
+  /// Points come in the order of the stream.
   void add(std::span<const Point> points) {
     if (wanted_ && mesh_ == nullptr) points_.vertices.insert(points_.vertices.end(), points.begin(), points.end());
   }
@@ -126,13 +127,13 @@ class Drawing {
   Mesh points_;
 };
 
-/// At least the radius of the model's bounding sphere, as it decides how wide the tightest enclosures are.
+/// At least the radius of the model's bounding sphere as it determines the width of the tightest enclosures.
 double radius_at_most(const UncertainModel& model) {
   std::vector<Point> corners;
   for (const UncertainPrimitive& primitive : model.primitives) {
     const auto& [a1, a2, a3] = primitive.semi_axes;
     const double widening = 1.0 + std::abs(primitive.taper - 1.0) / (primitive.taper + 1.0);
-    // Of the corners of the box around any superquadric; of a bent one as far across its axis and then along it.
+    // From the corners of the box around any superquadric; for a bent one as far across its axis and then along it.
     const double across = std::hypot(widening * a1.hi, widening * a2.hi);
     const double reach = primitive.bend ? across + a3.hi : std::hypot(across, a3.hi);
     for (const double sign : {-1.0, 1.0}) {
@@ -144,7 +145,7 @@ double radius_at_most(const UncertainModel& model) {
   return rounding * extent_of(corners).half_diagonal();
 }
 
-/// Of uncertain numbers, how tight the ends of a row are does not tell how tight those of its members were.
+/// For uncertain numbers, the tightness of a row's ends does not determine that of its members' enclosures.
 template <typename Element>
 TightestWidths tightest_widths(const Element& element, const Enclosure& claimed, const std::optional<double>& radius) {
   if (!radius) return {};
@@ -223,11 +224,11 @@ CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const P
 namespace {
 
 struct OctreeCheckReport {
-  std::uint64_t cubes = 0;  ///< that the octree speaks of
+  std::uint64_t cubes = 0;  ///< number of the octree's cubes
   std::uint64_t chosen = 0;
   std::uint64_t proved = 0;
   std::uint64_t unproved = 0;
-  std::optional<ColouredCube> first;  ///< that is not proved
+  std::optional<ColouredCube> first;  ///< the first one that is not proved
   Enclosure volume{};
   double seconds = 0.0;
   bool interrupted = false;
@@ -235,7 +236,7 @@ struct OctreeCheckReport {
   [[nodiscard]] bool proves_volume() const { return proved == cubes; }
 };
 
-/// `count` of them, in any order.
+/// Chooses `count` of them, in any order.
 void choose_at_random(std::vector<ColouredCube>& cubes, std::uint64_t count) {
   if (count >= cubes.size()) return;
   std::random_device seed;  // whoever wrote the file cannot know which
@@ -268,7 +269,7 @@ OctreeCheckReport check_cubes(const OctreeChecker& checker, const std::vector<Co
   return report;
 }
 
-/// Of the root in model units; for people.
+/// Describes the cube in model units; for people.
 std::string text_of(const ColouredCube& cube, const OctreeRoot& root) {
   Point centre = root.centre;
   for (std::size_t i = 0; i < 3; ++i) centre[i] += root.half_width * cube.centre[i];

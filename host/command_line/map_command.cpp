@@ -39,9 +39,9 @@ struct MapArguments {
   std::optional<double> time_limit;  ///< in seconds
   std::string device = "auto";
   Method method = Method::duality;
-  std::string output;                 ///< empty when only a report is asked for, `-` for the standard output
+  std::string output;                 ///< empty when only a report is requested, `-` for the standard output
   std::optional<std::string> format;  ///< an extension
-  std::vector<MapColumn> columns;     ///< empty: those that the format has by itself
+  std::vector<MapColumn> columns;     ///< empty: the format's own columns
   std::optional<PartOption> part;
   ReportFiles report;
   bool certificates = false;
@@ -52,7 +52,7 @@ struct MapArguments {
 
 void declare_map(Options& options, MapArguments& arguments);
 
-/// Throws Error(input) for whatever the user can correct, before the first distance is computed (a file of points is
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed (a file of points is
 /// a stream: its later lines are checked as they come).
 ExitStatus run_map(const MapArguments& arguments);
 
@@ -121,8 +121,8 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(largest), "the model");
 }
 
-/// What is not exact is proven by single primitives alone. Distances of triangles to unions of convex primitives are
-/// the least of theirs.
+/// An inexact model or point is proven by single primitives alone. Distances of triangles to unions of convex
+/// primitives are the least of the primitives' distances.
 bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   const bool convex = is_union_of_convex(bracket(model).largest);
   const bool single = convex && (arguments.on == MapElements::triangles || model.primitives.size() == 1);
@@ -185,7 +185,7 @@ MapContents contents_of(const UncertainModel& model, const MapArguments& argumen
   return asks_for_closest_points(arguments) ? MapContents::closest_points : MapContents::enclosures;
 }
 
-/// Of the rows of one chunk: where nothing is proven, the map's own enclosure says how far.
+/// The closest points for the rows of one chunk; if nothing is proven, the map's own enclosure bounds the distance.
 std::vector<ClosestPoint> closest_points_of(const SignedDistance& distance, std::span<const Point> points,
                                             std::span<const MapResult> results,
                                             const std::function<bool()>& interrupted) {
@@ -234,7 +234,7 @@ void check_pose_uncertainty(const MapArguments& arguments) {
   }
 }
 
-/// Rows of a part are those of the whole only where they depend on nothing else than their block.
+/// Rows of a part equal those of the whole only if they depend on nothing but their block.
 void check_part(const MapArguments& arguments) {
   if (!arguments.part) return;
   if (format_of_drawn_part(arguments.output, arguments.format) == ".vtp") {
@@ -252,7 +252,7 @@ void check_part(const MapArguments& arguments) {
   refuse_to_overwrite("-o", part_file, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
   check_outputs(arguments);
@@ -270,7 +270,7 @@ void refuse_what_cannot_be_drawn(const MapArguments& arguments, const Mesh* mesh
   refuse(fmt::format("{}: {}: has no triangles to draw", report_option(arguments), arguments.inputs.mesh));
 }
 
-/// The page speaks of exact distances: it must say of what.
+/// The page mentions exact distances: it must state the point radius.
 std::vector<ReportLine> report_lines(const MapReport& report, const UncertainModel& model,
                                      const MapArguments& arguments) {
   std::vector<ReportLine> lines = report_lines(report);
@@ -291,7 +291,7 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-/// For the page alone, which holds the model file's text: pipes cannot be read again.
+/// For the page alone, which contains the model file's text: pipes cannot be read again.
 void refuse_what_cannot_be_read_again(const MapArguments& arguments) {
   if (!arguments.certificates || arguments.report.html.empty()) return;
   for (const std::string& file : {arguments.inputs.model, arguments.inputs.mesh}) {
@@ -310,7 +310,7 @@ std::optional<ReportProof> proof_of(const ShownRows& rows, const MapArguments& a
                      .point_radius = arguments.point_radius};
 }
 
-/// Empty: as the name of the output says.
+/// The given format; empty: by the name of the output.
 std::string format_of(const MapArguments& arguments) {
   return arguments.format.value_or(arguments.output == "-" ? ".csv" : "");
 }
@@ -333,7 +333,7 @@ std::vector<PartSetting> settings_of(const MapArguments& arguments, const MapOpt
   return settings;
 }
 
-/// What is mapped: all elements of a stream, or those of a part.
+/// The mapped elements: all elements of a stream, or those of a part.
 template <class Stream>
 std::optional<PartRecord> part_record(Stream& stream, MapElements elements, const MapArguments& arguments,
                                       const MapOptions& options) {
@@ -399,7 +399,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
       return closest_points_of(*distance, points, results, limit.stop());
     };
   }
-  // At a time limit there is another reason.
+  // At a time limit the reason is another one.
   if (arguments.certificates && !limit.given() && !options.covers) {
     const bool bent = !is_union_of_convex(bracket(model).largest);
     if (bent) request.why_wide_inside = depth_of_bends;

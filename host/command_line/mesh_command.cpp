@@ -27,7 +27,7 @@ namespace verisq::command_line {
 // The summary of a model's mesh on the standard output: for people, or as one JSON object.
 
 struct MeshReport {
-  double deviation;  ///< that was asked for
+  double deviation;  ///< the requested deviation
   const ModelMesh& found;
   std::optional<Enclosure> proven;  ///< two-sided Hausdorff distance of the mesh as it is written from the surface
   MeshTopology topology;
@@ -131,7 +131,7 @@ constexpr const char* closing_words =
     "  verisq mesh --model stem.json --deviation 0.05 -o stem.stl\n"
     "  verisq mesh --model stem.json --deviation 0.01 -o stem.ply --json";
 
-/// What the mesh is not, or nothing.
+/// The property that the mesh lacks, or an empty text.
 std::string defect(const MeshTopology& topology, int volume_sign) {
   if (!topology.closed()) return "not closed";
   if (!topology.manifold()) return "not manifold";
@@ -176,7 +176,7 @@ ModelMesh meshed(const Model& model, double deviation, const MeshArguments& argu
   return model_mesh(model, options);
 }
 
-/// Finer and finer until it is proven to be as near as asked for, at most so many times.
+/// Makes the mesh finer until it is proven to be as near as requested, at most so many times.
 ProvenMesh proven_mesh(const Model& model, const MeshArguments& arguments, const Deadline& limit) {
   constexpr int most_tries = 3;
   constexpr double margin = 0.8;

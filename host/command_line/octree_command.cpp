@@ -36,9 +36,9 @@ namespace verisq::command_line {
 struct OctreeReport {
   OctreeSummary summary;
   std::string output;               ///< the file that holds the cubes; empty when none was written
-  std::uint64_t output_bytes;       ///< its size, written or not; 0 where it is not known
+  std::uint64_t output_bytes;       ///< its size, written or not; 0 if it is not known
   std::string units;                ///< of the model; empty when not given
-  std::optional<double> tolerance;  ///< of the volume, where one was given
+  std::optional<double> tolerance;  ///< tolerance of the volume, if one was given
 };
 
 /// Ends of enclosures are rounded outward to the digits printed.
@@ -54,7 +54,7 @@ struct OctreeArguments {
   std::string model;
   std::optional<Pose> pose;
   std::optional<int> depth;
-  std::optional<double> tolerance;  ///< of the volume
+  std::optional<double> tolerance;  ///< tolerance of the volume
   std::optional<std::size_t> budget;
   std::string device = "auto";
   std::string output;
@@ -205,7 +205,7 @@ OctreeOptions options_of(const OctreeArguments& arguments, const Deadline& limit
   return options;
 }
 
-/// Whether the octree stopped where the user asked it to.
+/// Returns whether the octree reached the depth or tolerance that the user requested.
 bool complete(const OctreeSummary& summary, const std::optional<double>& tolerance) {
   return !summary.budget_hit && (!tolerance || verified(summary.volume, *tolerance));
 }

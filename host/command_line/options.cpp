@@ -36,7 +36,7 @@ const CLI::App& app_of(const CLI::App& program) {
   return given.empty() ? program : *given.front();
 }
 
-/// Those that `app` takes: a word with dashes may be an option, another one a command.
+/// The words that `app` accepts: a word with dashes may be an option, another one a command.
 std::vector<std::string> known_words(const CLI::App& app, bool with_dashes) {
   std::vector<std::string> words;
   if (with_dashes) {
@@ -49,7 +49,7 @@ std::vector<std::string> known_words(const CLI::App& app, bool with_dashes) {
   return words;
 }
 
-/// "; did you mean map?", of the first word that nobody knows, where one is near.
+/// "; did you mean map?", for the first unknown word, if a known one is near.
 std::string suggestion(const CLI::App& program) {
   const std::vector<std::string> unknown = program.remaining(true);
   if (unknown.empty()) return "";
@@ -215,7 +215,7 @@ void Options::declare(const Declaration& declaration, Reader read) {
 
 namespace {
 
-/// Of the first i letters of `a` and the first j of `b`, row after row.
+/// Corrections between the first i letters of `a` and the first j of `b`, row after row.
 std::size_t corrections(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);

@@ -22,30 +22,30 @@ namespace verisq::command_line {
 /// The value of an option that may stand alone.
 struct OptionalText {
   bool given = false;
-  std::string text = {};  ///< empty where it stands alone
+  std::string text = {};  ///< empty if it stands alone
 };
 
-/// A handle: copies declare for the same command. What an option fills must live until `parse` returns. An option's
-/// value may be a T or a std::optional<T>; it keeps what it has where the option is not given.
+/// A handle: copies declare for the same command. The variables that options fill must live until `parse` returns. An
+/// option's variable may be a T or a std::optional<T>; it keeps its value if the option is not given.
 ///
-/// `names` are those of one option, "--tol" or "-o,--output", or without dashes that of a positional argument. A kind
-/// of value is a function T(std::string_view option, const std::string& text) that throws Error(input), beginning with
-/// `option`, for what is no such value: length, pose, choice, whole_number, ... Without one the value is text. An empty
-/// text is refused whatever the kind is.
+/// `names` are the names of one option, "--tol" or "-o,--output", or, without dashes, the name of a positional
+/// argument. A kind of value is a function T(std::string_view option, const std::string& text) that throws
+/// Error(input), beginning with `option`, for an invalid value: length, pose, choice, whole_number, ... Without a kind
+/// the value is text. An empty text is refused for every kind.
 class Options {
  public:
-  /// Those of a program, which --help explains and whose --version prints `name` and `version`.
+  /// The options of a program, which --help explains and whose --version prints `name` and `version`.
   Options(const std::string& name, const std::string& description, const std::string& version);
 
-  /// Those of a command of this program.
+  /// The options of a command of this program.
   [[nodiscard]] Options command(const std::string& name, const std::string& description) const;
 
   /// "check".
   [[nodiscard]] std::string name() const;
-  /// As it is typed: "verisq check".
+  /// The name as typed: "verisq check".
   [[nodiscard]] std::string full_name() const;
 
-  /// Says at the end of the help what no single option says.
+  /// Adds, at the end of the help, an explanation that belongs to no single option.
   void explain(const std::string& closing_words);
 
   /// `value_name` stands for the value in the help, which `explanation` explains.
@@ -58,11 +58,11 @@ class Options {
   void add(const std::string& names, std::optional<std::string>& value, const std::string& value_name,
            const std::string& explanation);
 
-  /// As `add`, of what cannot be left out.
+  /// Like `add`, for a required option.
   void require(const std::string& names, std::string& value, const std::string& value_name,
                const std::string& explanation);
 
-  /// As `add`, of what may be given again and again.
+  /// Like `add`, for an option that may be repeated.
   template <class Value, class Kind>
   void add_each(const std::string& names, std::vector<Value>& values, Kind kind, const std::string& value_name,
                 const std::string& explanation) {
@@ -87,11 +87,11 @@ class Options {
   /// Whatever follows the command goes into `arguments`, --help included; there are no other options.
   void take_all(std::vector<std::string>& arguments);
 
-  /// Of the program: fills the values, in the order of their declaration. False when --help or --version was there, and
-  /// is answered on the standard output. Throws Error(input), for what is wrong rather than for what is missing.
+  /// For the program: fills the values, in the order of their declaration. False if --help or --version was given, and
+  /// is answered on the standard output. Throws Error(input), for wrong arguments rather than for missing ones.
   [[nodiscard]] bool parse(int argc, char** argv) const;
 
-  /// Whether this command was there. After `parse`.
+  /// Returns whether this command was given. After `parse`.
   [[nodiscard]] bool given() const;
 
  private:
@@ -109,7 +109,7 @@ class Options {
 
   Options(std::shared_ptr<Parser> parser, CLI::App* app) : parser_(std::move(parser)), app_(app) {}
 
-  /// What messages call the option.
+  /// The name of the option in messages.
   [[nodiscard]] static std::string first_name(std::string_view names) {
     return std::string(names.substr(0, names.find(',')));
   }
@@ -127,19 +127,19 @@ class Options {
   CLI::App* app_;  ///< the program or one of its commands; owned by the parser
 };
 
-// What somebody who typed an unknown word may have meant.
+// The probable meaning of an unknown word.
 
 /// The known word that is nearest to `word`: fewest letters inserted, left out, replaced or swapped with their
-/// neighbours (optimal string alignment), at most one for every three letters of `word`; else the only one that
-/// begins with `word`, or that `word` begins with. Nothing where none is so near.
+/// neighbours (optimal string alignment), at most one for every three letters of `word`. Else the only one that begins
+/// with `word`, or with which `word` begins. Nothing if none is so near.
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known);
 
-// Options that several commands have, with the same words for the same thing.
+// Options that several commands have, with the same words for the same meaning.
 
 /// A model file by the option `name`.
 void require_model(Options& options, const std::string& name, std::string& file);
 
-/// --tol of enclosures, 0 for the tightest; `owner`: whose bounding sphere the default is in proportion to, "the
+/// --tol of enclosures, 0 for the tightest. The default is in proportion to the bounding sphere of `owner`, "the
 /// model".
 void add_tolerance(Options& options, std::optional<double>& tolerance, std::string_view owner);
 
@@ -147,12 +147,12 @@ void add_tolerance(Options& options, std::optional<double>& tolerance, std::stri
 void add_device(Options& options, std::string& device);
 inline constexpr const char* device_explanation =
     "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`";
-/// Of what has rows.
+/// For commands that compute rows.
 inline constexpr const char* device_of_map_explanation =
     "auto (default: a device, for at most 128 rows the host), host (no OpenCL), or an index or part of a name\n"
     "from `verisq devices`";
 
-/// What -o says of a map.
+/// The explanation of -o for a map.
 inline constexpr const char* map_explanation = "The map, by extension: .csv .npy .vtp .ply .json";
 
 /// --json, of a summary.

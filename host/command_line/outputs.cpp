@@ -72,7 +72,7 @@ void write(const ReportFiles& files, const Report& report) {
 
 namespace {
 
-/// What may stand between commas: one column, or both ends of all coordinates of a box.
+/// A name that may stand between commas: one column, or both ends of all coordinates of a box.
 struct ColumnName {
   std::string_view name;
   std::vector<MapColumn> columns;
@@ -226,14 +226,14 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-/// What an interrupted map leaves unwritten.
+/// Reports the files that an interrupted map leaves unwritten.
 void say_what_is_missing(const MapRequest& request) {
   for (const std::string& file : {request.report.html, request.report.png}) {
     if (!file.empty()) tell(fmt::format("interrupted; {} is not written", file));
   }
 }
 
-/// Returns the name of the file that holds the map; empty when none was asked for or an interrupted map left none.
+/// Returns the name of the file of the map; empty if none was requested, or if an interrupted map left none.
 std::string end_file(std::optional<MapWriter>& writer, const MapSummary& summary, const std::string& output) {
   if (!writer) return {};
   if (!summary.interrupted) {
@@ -284,7 +284,7 @@ ExitStatus end_map(std::optional<MapWriter>& writer, const ShownRows& rows, cons
                          .preparation_seconds = seconds_between(start, first_element),
                          .seconds = seconds_between(first_element, end)};
   if (request.show && !summary.interrupted) request.show(rows, report);
-  // What else there is to say must not get between the rows.
+  // Other messages must not get between the rows.
   fmt::print(request.output == "-" ? stderr : stdout, "{}", request.json ? json(report) : readable(report));
   return status_of(summary);
 }

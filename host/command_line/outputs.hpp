@@ -32,7 +32,7 @@ void check_certificate_file(const std::string& file, const std::vector<std::stri
 
 // The options --report and --png, --range and --up: a finished map for people to look at.
 
-/// Names of files, as typed, empty when not asked for; and how they show things.
+/// Names of files, as typed, empty when not requested; and the range and direction of the display.
 struct ReportFiles {
   std::string html;
   std::string png;

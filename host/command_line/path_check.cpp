@@ -72,7 +72,7 @@ bool are_claims_proved(const JudgedAnswer& judged) {
   return !judged.interrupted && counted(judged.claims, &JudgedClaim::finding).are_all_proved();
 }
 
-/// What the claims say of a contact, where they are proved.
+/// The statement of proved claims about a contact.
 std::string_view contact_in_words(const PathClaims& claims) {
   if (claims.smallest.lo > 0.0) return "apart at all times, between the poses too";
   if (!claims.first_contact) return "whether they meet is NOT claimed";
@@ -81,7 +81,7 @@ std::string_view contact_in_words(const PathClaims& claims) {
   return "apart before the time of the first contact; whether they ever meet is NOT claimed";
 }
 
-/// The same in one word, of claims that are all proved: infinite ends of claims are null in JSON.
+/// The same in one word, for claims that are all proved: infinite ends of claims are null in JSON.
 std::string_view contact_in_a_word(const PathClaims& claims) {
   const auto& contact = claims.first_contact;
   if (claims.smallest.lo > 0.0 || (contact && contact->lo == infinity)) return "never";
@@ -147,7 +147,7 @@ namespace {
 
 constexpr std::size_t rows_at_a_time = 1024;  // between which progress is shown
 
-/// What is claimed of the bone that is taken away, and what became of it.
+/// The claim about the removed bone, and its finding.
 struct RemovalReport {
   Enclosure claimed;
   Finding finding;
@@ -160,7 +160,7 @@ struct RemovalReport {
   }
 };
 
-/// What is claimed of all points of all triangles, and what became of it.
+/// The claim about all points of all triangles, and its finding.
 struct SurfaceReport {
   Enclosure claimed;
   Finding finding;
@@ -177,7 +177,7 @@ struct InsertionCheckReport {
   std::vector<Enclosure> proven_of_vertices = {};
   std::optional<SurfaceReport> surface = {};
   std::optional<RemovalReport> removed = {};
-  // By what is proven, whatever is claimed.
+  // By the proven enclosures, whatever is claimed.
   std::uint64_t proven_cut = 0;
   std::uint64_t proven_untouched = 0;
 
@@ -193,12 +193,12 @@ struct InsertionCheckReport {
     return !is_of_nothing && rows.all_proved() && (!surface || surface->is_proved()) &&
            (!removed || removed->is_proved());
   }
-  /// Of all vertices, and of no answer that is another one's.
+  /// True if it covers all vertices, and the answer belongs to the inputs.
   [[nodiscard]] bool tells_counts() const { return rows.rows() > 0 && rows.refuted == 0 && !rows.interrupted; }
   [[nodiscard]] bool tells_smallest() const { return tells_counts() && std::isfinite(rows.smallest.width()); }
 };
 
-/// What is missing, or is not what the answer is about.
+/// Refuses inputs that are missing, or that do not belong to the answer.
 void refuse_other_subjects(const InsertionAnswer& answer, const CheckArguments& arguments) {
   const std::string& certificate = arguments.certificate;
   if (arguments.models.size() != 1)
@@ -252,7 +252,7 @@ InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant
   return report;
 }
 
-/// Of vertices of which all are done, by what is proven of each, whatever is claimed.
+/// Checks the surface, when all vertices are done, by the proven enclosure of each, whatever is claimed.
 SurfaceReport checked_surface(const InsertionAnswer& answer, const Model& implant, const Mesh& bone,
                               std::span<const Enclosure> of_vertices, const CheckArguments& arguments) {
   const WaySurfaceChecker checker(implant, answer.path, bone);
@@ -275,7 +275,7 @@ BoneRegion region_of(const RemovalAnswer& removed, const Mesh& mesh, const Check
   return region;
 }
 
-/// What is wrong with them is told with the names of the meshes.
+/// Reports errors of the meshes with their names.
 RemovedVolumeChecker removal_checker(const InsertionAnswer& answer, const Model& implant, const Mesh& mesh,
                                      const CheckArguments& arguments) {
   const BoneRegion region = region_of(*answer.removed, mesh, arguments);
@@ -301,7 +301,7 @@ RemovalReport checked_removal(const InsertionAnswer& answer, const Model& implan
   return {removed.volume, check(removed.volume, proven.volume), proven, checker.rims(), time.seconds()};
 }
 
-/// How deep the surface is cut: bone that lies behind it is another question.
+/// Describes the depth to which the surface is cut: bone that lies behind it is another question.
 std::string depth_in_words(const SurfaceReport& report, const std::string& units) {
   if (report.claimed.lo >= 0.0) return ": it is cut nowhere";
   return fmt::format(": it is cut nowhere deeper than {}{}", -report.claimed.lo, units);

@@ -25,19 +25,20 @@
 
 namespace verisq::command_line {
 
-// What `verisq path` says: for people, or as one JSON object.
+// The output of `verisq path`: for people, or as one JSON object.
 
 struct PathReport {
   PathDistance found;
   std::size_t poses;
   std::string units;  ///< of both models; empty when not given
   double tolerance;
-  double clearance;                                    ///< that was asked for; 0: any
+  double clearance;                                    ///< the requested clearance; 0: any
   std::string certificate = {};                        ///< its file; empty without
-  std::optional<PathClaims> certified = std::nullopt;  ///< what that proves, which may be less than found
+  std::optional<PathClaims> certified = std::nullopt;  ///< the claims that it proves, which may be weaker than the
+                                                       ///< found ones
 };
 
-/// Whether the moving model is proven to stay apart from the other, by the clearance; by a certificate, too, where
+/// Returns whether the moving model is proven to stay apart from the other, by the clearance; by a certificate, too, if
 /// there is one.
 [[nodiscard]] bool is_free(const PathReport& report);
 
@@ -61,7 +62,7 @@ struct PathArguments {
 
 void declare_path(Options& options, PathArguments& arguments);
 
-/// `verified` only when the way is proven to be free. Throws Error(input) for what the user can correct.
+/// `verified` only when the way is proven to be free. Throws Error(input) for errors that the user can correct.
 ExitStatus run_path(const PathArguments& arguments);
 
 namespace {
@@ -85,7 +86,7 @@ std::string explanation(const PathReport& report) {
   return report.found.interrupted ? fmt::format("{}: {}", reason_of_end(), open) : open;
 }
 
-/// Of a clearance that was asked for.
+/// The verdict on a requested clearance.
 std::string_view verdict_on_clearance(const PathReport& report) {
   if (is_free(report)) return "proven at all times";
   return report.found.smallest.hi < report.clearance ? "proven NOT to be kept" : "open";
@@ -173,7 +174,7 @@ struct Travellers {
   std::span<const Pose> path;
 };
 
-/// Of what was found; once interrupted it says so instead, and writes none.
+/// Certifies the found answer; once interrupted it reports that instead, and writes no file.
 void certify(const Travellers& of, PathDistanceOptions options, const PathArguments& arguments, PathReport& report) {
   const std::string& file = arguments.certificate_file;
   CertifiedPath certified = [&] {

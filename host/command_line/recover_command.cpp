@@ -31,11 +31,11 @@ namespace verisq::command_line {
 
 // The summary of a recovery on the standard output: for people, or as one JSON object.
 
-/// What was asked for and what came of it.
+/// The requested containment and its result.
 struct ContainedWords {
   Containment containment;
   ContainmentProof proof;
-  std::size_t proofs;  ///< that were tried
+  std::size_t proofs;  ///< the number of proofs that were tried
 };
 
 /// Without its dashes.
@@ -47,7 +47,7 @@ struct ContainedWords {
 struct RecoverReport {
   const Recovery& recovery;
   bool of_mesh;                     ///< else of a cloud
-  std::optional<double> deviation;  ///< asked for
+  std::optional<double> deviation;  ///< requested
   std::optional<ContainedWords> contained;
   std::optional<Deviation> proven;  ///< of the mesh
   std::string output;               ///< the model file
@@ -55,10 +55,10 @@ struct RecoverReport {
   std::string certificate;          ///< likewise; empty: none
   double seconds;
 
-  /// Whether the model is as near as asked, by estimate; true where nothing was asked.
+  /// Returns whether the model is as near as requested, by estimate; true if nothing was requested.
   [[nodiscard]] bool reached() const;
 
-  /// Whether the model is proven to be where it was asked to be; true where nothing was asked.
+  /// Returns whether the model is proven to be where it was requested to be; true if nothing was requested.
   [[nodiscard]] bool is_contained() const { return !contained || contained->proof.proven; }
 };
 
@@ -117,7 +117,7 @@ std::string table(const RecoverReport& report) {
   return text;
 }
 
-/// Of the result, both ways.
+/// The lines of the proven deviation, both ways.
 std::string proven_lines(const Deviation& proven, const std::string& units) {
   std::string text;
   if (proven.from_mesh) {
@@ -133,7 +133,7 @@ std::string proven_lines(const Deviation& proven, const std::string& units) {
   return text;
 }
 
-/// Of all triangles.
+/// The line of the containment, which covers all triangles.
 std::string contained_line(const ContainedWords& contained) {
   const char* const word = contained.containment == Containment::within ? "inside the mesh" : "outside the mesh";
   if (!contained.proof.proven) return fmt::format("{:<19}not proven\n", word);
@@ -313,7 +313,7 @@ RecoveryOptions options_of(const RecoverArguments& arguments, const Deadline& li
   return options;
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const RecoverArguments& arguments) {
   const std::vector<std::string> inputs{arguments.points, arguments.mesh};
   refuse_to_overwrite("-o", arguments.output, inputs);
@@ -368,7 +368,7 @@ Found search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptio
   }
 }
 
-/// A certificate is of a mesh that has sides: this is known before all the work.
+/// A certificate needs a mesh that has sides: this is checked before all the work.
 void refuse_mesh_without_sides(const RecoverArguments& arguments, const Mesh& mesh) {
   if (arguments.certificate_file.empty()) return;
   try {
@@ -475,7 +475,7 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const std::optional<std::string> certificate = write_certificate(arguments, found, input, limit);
   std::optional<Deviation> proven;
   if (!recovery.interrupted && !input.triangles.empty() && !arguments.no_proof) {
-    // Of bent solids the mean takes very long.
+    // For bent solids the mean takes very long.
     proven = proven_deviation(recovery.model, input,
                               {.device = arguments.device,
                                .no_progress = arguments.no_progress,

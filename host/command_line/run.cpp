@@ -28,7 +28,7 @@ int status_of(ExitStatus status) {
   return status == ExitStatus::interrupted ? status_of_interruption() : static_cast<int>(status);
 }
 
-/// `parse_and_run` returns nothing where --help or --version was all that was asked.
+/// `parse_and_run` returns nothing if --help or --version was the whole request.
 int answer(const std::string& name, const std::function<std::optional<ExitStatus>()>& parse_and_run) {
   const auto report = [&](std::string_view message, ExitStatus status) {
     fmt::print(stderr, "{}: {}\n", name, on_one_line(as_typed(message)));
@@ -55,7 +55,7 @@ void refuse_unless_known(const std::string& command, std::span<const Command> co
   refuse(fmt::format("help: there is no command {}{}", command, near ? "; did you mean " + *near + "?" : ""));
 }
 
-/// `help` and `help COMMAND` become what they stand for: `--help` and `COMMAND --help`.
+/// Replaces `help` and `help COMMAND` by `--help` and `COMMAND --help`.
 std::vector<char*> without_help(std::vector<char*> words, std::span<const Command> commands, std::string& help_option) {
   if (words.size() < 2 || words[1] != std::string_view("help")) return words;
   if (words.size() > 3) refuse("help: name one command");
@@ -77,7 +77,7 @@ int run_program(const Program& program, std::span<const Command> commands, int a
       Action run = declare(of_command);
       declared.emplace_back(std::move(of_command), std::move(run));
     }
-    // For the list of commands: it never runs.
+    // Only for the list of commands: it never runs.
     static_cast<void>(options.command("help", "Explain a command: help COMMAND"));
     std::string help_option = "--help";
     std::vector<char*> words = without_help({argv, argv + argc}, commands, help_option);
@@ -126,8 +126,8 @@ void watch(int signal, int flags) {
 }  // namespace
 
 void watch_for_interruption() {
-  // SA_RESTART: reads and writes go on as if nothing happened. SA_RESETHAND: the second signal kills; not so for those
-  // that come twice without anybody's impatience, as `timeout` sends SIGTERM and a closed terminal SIGHUP.
+  // SA_RESTART: reads and writes continue as if nothing happened. SA_RESETHAND: the second signal kills. This is not
+  // set for signals that may come twice without a user's impatience: `timeout` sends SIGTERM, a closed terminal SIGHUP.
   watch(SIGTERM, SA_RESTART);
   watch(SIGHUP, SA_RESTART);
   watch(SIGINT, static_cast<int>(SA_RESTART | SA_RESETHAND));

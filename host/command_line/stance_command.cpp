@@ -119,7 +119,7 @@ void check_report_usage(const StanceArguments& arguments) {
     refuse(fmt::format("--report {}: its name must end in .html", arguments.report.text));
 }
 
-/// What says something of a motion, without one.
+/// Refuses options about a motion, if there is no motion.
 void check_motion_usage(const StanceArguments& arguments) {
   if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
   if (arguments.simulate) return;
@@ -130,7 +130,7 @@ void check_motion_usage(const StanceArguments& arguments) {
   if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
 }
 
-/// Everything that the options alone tell, before any file is opened.
+/// Checks everything that the options alone determine, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (!arguments.joints.empty() && !arguments.accelerations.given) refuse("--joint: give --accelerations, too");
   if (arguments.cells && !arguments.accelerations.given && !arguments.equilibrium && !arguments.stability)
@@ -144,8 +144,8 @@ void check_usage(const StanceArguments& arguments) {
   check_report_usage(arguments);
 }
 
-/// Known before all the work, not after it. Throws Error(input) where a file would overwrite another, Error(failure)
-/// where it cannot be written.
+/// Checks the files before all the work, not after it. Throws Error(input) if a file would overwrite another,
+/// Error(failure) if it cannot be written.
 void check_outputs(const StanceArguments& arguments) {
   std::vector<std::string> others{arguments.model};
   const auto check = [&](std::string_view option, const std::string& file) {
@@ -266,7 +266,7 @@ class Analysis {
   }
 
  private:
-  /// A certificate is of the file's model, which says what is nominal.
+  /// A certificate is about the file's model, which states the nominal values.
   void refuse_moved_numbers(const std::vector<NamedRange>& ranges) const {
     for (const NamedRange& range : ranges) {
       const auto is_named = [&](std::uint32_t k) { return summary_.model.parameters[k].name == range.name; };
@@ -283,7 +283,7 @@ class Analysis {
     }
   }
 
-  /// The sensitivities say which parameters have no effect, whether or not they are asked for. Nothing once
+  /// The sensitivities determine which parameters have no effect, whether or not they are requested. Nothing once
   /// interrupted: readers take a parameter that is not listed for one without effect.
   void enclose_wrench() {
     std::vector<WrenchEnclosure> sensitivities;
@@ -328,7 +328,7 @@ class Analysis {
         check(sampled_accelerations_of(summary_.model, at, summary_.accelerations), joint_names(summary_.model));
   }
 
-  /// Of equilibria, and of their stability, which have the same. The bar must outlive them.
+  /// The options of equilibria, and of their stability, which have the same. The bar must outlive them.
   [[nodiscard]] EquilibriumOptions options_by_cells(JointControl control, ProgressBar& bar) const {
     EquilibriumOptions options{.control = control, .interrupted = interrupted};
     if (arguments_.cells) options.cells = *arguments_.cells;
@@ -373,7 +373,7 @@ class Analysis {
     write_file(arguments_.plot, motion_picture(*summary_.motion));
   }
 
-  /// Nothing unless --monte-carlo asks for it.
+  /// Nothing unless --monte-carlo requests it.
   [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
     ProgressBar bar(!arguments_.no_progress, "samples");

@@ -1,4 +1,4 @@
-/// What `verisq stance` prints, and its page.
+/// The output of `verisq stance`, and its page.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,7 +29,7 @@ std::string_view word(Mode mode) {
   return mode == Mode::paper ? "paper" : "tight";
 }
 
-/// Of all joints, bodies in order.
+/// The kinds of all joints, bodies in order.
 std::vector<JointKind> joint_kinds(const stance::Model& model) {
   std::vector<JointKind> kinds;
   for (const Body& body : model.bodies) {
@@ -82,7 +82,7 @@ std::string stripped(const std::string& text) {
   return result;
 }
 
-/// What the numbers above it are, and what is not in them.
+/// The meaning and the limits of the numbers above it.
 std::string scope_text(const Scope& scope) {
   std::string text = fmt::format("  meaning: {}\n  acts: {}\n  does NOT act: {}\n", scope.meaning,
                                  fmt::join(scope.acts, ", "), fmt::join(scope.does_not_act, ", "));
@@ -151,7 +151,7 @@ std::string_view word(JointControl control) {
   return control == JointControl::held ? "held" : "proportional";
 }
 
-/// Rounded down: all of the box is 100 % of it, and nothing else is.
+/// Rounded down: only all of the box is 100 % of it.
 std::string share_text(double share) {
   return fmt::format("{:.7g} % of the box", std::floor(1e7 * share) / 1e5);
 }
@@ -589,13 +589,13 @@ Enclosure range_of(const Quantity& quantity, UncertainSet uncertain) {
   return {quantity.nominal, quantity.nominal};
 }
 
-/// What of the model is drawn: a line for each body to that which carries it, a disc for each cylinder.
+/// The drawn parts of the model: a line from each body to the one that carries it, a disc for each cylinder.
 class Figure {
  public:
   Figure(const StanceSummary& summary, std::vector<std::uint32_t> bodies, std::vector<std::uint32_t> cylinders)
       : summary_(summary), bodies_(std::move(bodies)), cylinders_(std::move(cylinders)) {}
 
-  /// All of it.
+  /// The whole model.
   [[nodiscard]] static Figure whole(const StanceSummary& summary) {
     return {summary, counted(summary.model.bodies.size()), counted(summary.model.cylinders.size())};
   }
@@ -646,7 +646,7 @@ class Figure {
   std::vector<std::uint32_t> cylinders_;
 };
 
-/// Names do not tell what is turned and what is moved.
+/// The names do not show which joints turn and which move.
 JsonValue joints_of(const stance::Model& model) {
   const std::vector<std::string> names = joint_names(model);
   JsonValue::Array joints;

@@ -14,7 +14,7 @@
 
 namespace verisq {
 
-// The JSON of summaries: values as the commands state them, and their text. Only json_value.cpp prints it.
+// The JSON of summaries: values as the commands state them, and their text. Only summaries.cpp prints it.
 
 struct Pose;  // all of model.hpp would bring its Model beside that of the stance
 }  // namespace verisq

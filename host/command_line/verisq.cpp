@@ -1,5 +1,5 @@
-/// The program `verisq`: the table of all commands, one of which it runs; what `devices` says of drivers, what happens
-/// when one crashes, and the start of `verisq-surface`.
+/// The program `verisq`: the table of all commands, one of which it runs; the output of `devices` about drivers; the
+/// handling of a driver's crash; and the start of `verisq-surface`.
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -43,13 +43,13 @@ void declare_devices(Options& options, DevicesArguments& arguments);
 
 // An OpenCL driver that ends the process: the command starts again without OpenCL devices.
 
-/// PoCL aborts, or reads beyond a file's end, where its cache of kernels is damaged, and calls `exit` where the disk is
-/// full. Once OpenCL is in use, the fatal signals SIGABRT, SIGBUS, SIGSEGV and SIGILL, and any `exit` while this lives,
-/// say so on the standard error and start the command again, with no OpenCL driver to be found: a named device is
+/// PoCL aborts, or reads beyond a file's end, if its cache of kernels is damaged, and calls `exit` if the disk is full.
+/// Once OpenCL is in use, the fatal signals SIGABRT, SIGBUS, SIGSEGV and SIGILL, and any `exit` while this lives, are
+/// reported on the standard error. Then the command starts again, with no OpenCL driver to be found: a named device is
 /// refused then, and `auto` computes on the host.
 ///
-/// A command whose input or output may be a pipe ends instead: what it has read or written cannot be taken back.
-/// Signals that have a handler now keep it, as those of sanitizers. Precondition: made once, with `main`'s `argv`.
+/// A command whose input or output may be a pipe ends instead: what it has read or written cannot be undone. Signals
+/// that have a handler now keep it, like those of sanitizers. Precondition: made once, with `main`'s `argv`.
 class DriverCrashWatch {
  public:
   DriverCrashWatch(int argc, char** argv);
@@ -58,11 +58,11 @@ class DriverCrashWatch {
   DriverCrashWatch& operator=(const DriverCrashWatch&) = delete;
 };
 
-// `verisq surface` of the program `verisq`: it starts `verisq-surface`, a program of its own because of the licence of
-// what is linked there.
+// `verisq surface` of the program `verisq`: it starts `verisq-surface`, which is a program of its own because of the
+// licence of a library that it links.
 
 struct SurfaceProgramArguments {
-  std::vector<std::string> all;  ///< what follows the command
+  std::vector<std::string> all;  ///< the words after the command
 };
 
 void declare_surface_program(Options& options, SurfaceProgramArguments& arguments);
@@ -99,7 +99,7 @@ struct Measured {
   std::vector<FunctionAccuracy> rows;
 };
 
-/// A percentage on the terminal's standard error, for what takes more than a second.
+/// A percentage on the terminal's standard error, for work that takes more than a second.
 class Percentage {
  public:
   explicit Percentage(std::string what) : what_(std::move(what)) {}
@@ -238,7 +238,7 @@ std::atomic<bool> main_runs{false};
 
 /// Returns where it cannot start again.
 void start_again() {
-  // Nothing is left to do where this fails.
+  // If this fails, nothing else can be done.
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, prepared->sentences.data(), prepared->sentences.size());
   if (!prepared->is_possible) return;
   sigset_t none;
@@ -257,7 +257,7 @@ void handle_exit() {
   if (main_runs) start_again();
 }
 
-/// False for "-", and for what exists and is neither a file nor a folder.
+/// False for "-", and for an existing path that is neither a file nor a folder.
 bool is_no_pipe(std::string_view name) {
   if (name == "-") return false;
   struct stat status = {};
@@ -282,7 +282,7 @@ std::vector<int> signals_without_handler() {
   return signals;
 }
 
-/// As PoCL finds it.
+/// The folder as PoCL determines it.
 std::string folder_of_pocl() {
   const auto value = [](const char* name) { return std::string_view(std::getenv(name) ? std::getenv(name) : ""); };
   if (const auto folder = value("POCL_CACHE_DIR"); !folder.empty()) return std::string(folder);
@@ -309,7 +309,7 @@ Restart restart(int argc, char** argv) {
   return made;
 }
 
-/// In place of LLVM's handlers, which PoCL brings along: they let the process end.
+/// Replaces LLVM's handlers, which PoCL brings along: they let the process end.
 void take_signals() {
   for (const int signal : prepared->signals) {
     struct sigaction action = {};

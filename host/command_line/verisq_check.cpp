@@ -1,5 +1,5 @@
-/// The program `verisq-check`: `verisq check` and nothing else, so that whoever trusts a checked map has to trust no
-/// more than is linked here.
+/// The program `verisq-check`: `verisq check` and nothing else, so that users of a checked map need to trust no more
+/// than is linked here.
 #include "host/command_line/run.hpp"
 
 int main(int argc, char** argv) {

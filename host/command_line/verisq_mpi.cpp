@@ -39,10 +39,10 @@ namespace verisq::command_line {
 
 // A command that all ranks of an MPI job run together.
 
-/// Runs it. Where a rank fails, one message is printed for all, and the others are ended, which would wait for it.
+/// Runs it. If a rank fails, one message is printed for all, and the others are ended, which would wait for it.
 ExitStatus run_guarded(const mpi::Session& session, const std::function<ExitStatus()>& run);
 
-/// As `command`. `session` must outlive the command.
+/// Like `command`. `session` must outlive the command.
 template <class Arguments>
 [[nodiscard]] Command shared_command(const std::string& name, const std::string& description,
                                      const mpi::Session& session, void (*declare)(Options&, Arguments&),
@@ -55,7 +55,7 @@ template <class Arguments>
           }};
 }
 
-// What `verisq-mpi map` and `insert` have in common: whose device a rank takes, how a shared map goes on and ends.
+// The common part of `verisq-mpi map` and `insert`: a rank's device, and how a shared map continues and ends.
 
 struct SharedRowsArguments {
   std::string device = "auto";
@@ -68,13 +68,13 @@ struct SharedRowsArguments {
 /// Adds --device, --device-of-rank, -o, --resume, --json.
 void declare_shared_rows(Options& options, SharedRowsArguments& arguments);
 
-/// What this rank computes on.
+/// The device on which this rank computes.
 [[nodiscard]] std::string device_of(const SharedRowsArguments& arguments, const mpi::Session& session);
 
 /// "tolerance" and "format".
 [[nodiscard]] std::vector<PartSetting> settings_of(const SharedRowsArguments& arguments, double tolerance);
 
-/// Has all ranks make the rows; rank 0 prints what they say. As `mpi::shared_map`.
+/// Makes all ranks compute the rows; rank 0 prints the summary. Like `mpi::shared_map`.
 ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMapRequest& request, double tolerance,
                       const mpi::Session& session, const mpi::RangeMap& map);
 
@@ -120,7 +120,7 @@ ExitStatus run_guarded(const mpi::Session& session, const std::function<ExitStat
     return run();
   } catch (const Error& error) {
     const auto status = static_cast<int>(error.kind() == ErrorKind::input ? ExitStatus::bad_input : ExitStatus::failed);
-    // What is wrong with the input all ranks find out; rank 0 says it, unless another one alone has.
+    // All ranks find errors in the input; rank 0 reports them, unless another one alone has found one.
     constexpr auto patience = std::chrono::seconds(2);
     if (session.rank() != 0) std::this_thread::sleep_for(patience);
     fmt::print(stderr, "verisq-mpi: {}\n", on_one_line(as_typed(error.what())));
@@ -249,7 +249,7 @@ void add(std::string_view text, BatchRun& run) {
   }
 }
 
-/// Of all ranks, at rank 0.
+/// The results of all ranks, at rank 0.
 BatchRun gathered(const BatchRun& own, const mpi::Session& session) {
   BatchRun all{.results = std::vector<CaseResult>(own.results.size())};
   for (const std::string& text : session.gathered(text_of(own))) add(text, all);

@@ -32,8 +32,8 @@ namespace verisq::command_line {
 struct LabelInput {
   std::uint16_t label;
   AnatomicalSpace space;
-  double voxel_volume;   ///< of one
-  Point voxel_lengths;   ///< of its sides
+  double voxel_volume;   ///< volume of one voxel
+  Point voxel_lengths;   ///< lengths of its sides
   LabelSurface surface;  ///< its triangles are small against the voxels
 };
 
@@ -44,9 +44,9 @@ struct LabelInput {
 
 // Options that say how thick a cortex is: --thickness, once or by heights, --axis.
 
-/// Of `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the name of a landmark
-/// that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its proximal end, where they
-/// name both, else along z. Ascending, whatever their order. Throws Error(input).
+/// The thickness from `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the
+/// name of a landmark that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its
+/// proximal end, if they name both, else along z. Ascending, whatever their order. Throws Error(input).
 [[nodiscard]] CorticalThickness thickness_of(const std::vector<std::string>& texts, const std::optional<Point>& axis,
                                              const FemurLandmarks& landmarks);
 
@@ -54,11 +54,11 @@ struct LabelInput {
 
 struct SurfaceReport {
   const PreparedSurface& surface;
-  const SurfaceCheck& check;  ///< of the file
+  const SurfaceCheck& check;  ///< check of the file
   const SurfaceOptions& options;
-  std::size_t points;             ///< of the input
+  std::size_t points;             ///< number of the input's points
   const LabelInput* label;        ///< null where the input is no volume
-  std::optional<WallCheck> wall;  ///< of a canal
+  std::optional<WallCheck> wall;  ///< for a canal
   std::string output;             ///< the file
   double seconds;
 };
@@ -209,7 +209,7 @@ const char* yes_or_no(bool fact) {
   return fact ? "yes" : "no";
 }
 
-/// How it was made: the name of what decided.
+/// The name of the method that made the surface.
 const char* method_of(const SurfaceReport& report) {
   if (report.wall) return "canal";
   return report.label != nullptr ? "label" : name(report.options.method);
@@ -364,9 +364,10 @@ constexpr const char* closing_words =
 
 /// Smooths away the steps between voxels, which are longer than a Gaussian of less than a voxel reaches.
 constexpr int rounds_of_volumes = 20;
-/// A share of the voxels' volume. Of a femur's cortex in voxels of 0.8 mm 0.1 % is lost.
+/// A share of the voxels' volume. A femur's cortex in voxels of 0.8 mm loses 0.1 %.
 constexpr double most_volume_lost = 0.1;
-/// Of triangles, beside what was sampled: sides of a cube as large as a voxel, or the distance of a canal's samples.
+/// The edges of triangles relative to the samples: sides of a cube as large as a voxel, or the distance of a canal's
+/// samples.
 constexpr double edge_of_samples = 1.5;
 
 void check_inputs(const SurfaceArguments& arguments) {
@@ -388,7 +389,7 @@ void check_inputs(const SurfaceArguments& arguments) {
 SurfaceOptions options_of(const SurfaceArguments& arguments) {
   check_inputs(arguments);
   SurfaceOptions options;
-  // What has triangles keeps them unless a method is named.
+  // An input with triangles keeps them unless a method is named.
   options.method = arguments.method.value_or(arguments.points.empty() ? SurfaceMethod::given : SurfaceMethod::wrap);
   options.alpha = arguments.alpha;
   options.offset = arguments.offset;
@@ -496,7 +497,7 @@ void declare_surface(Options& options, SurfaceArguments& arguments) {
 
 namespace {
 
-/// What the options make of the input, and what is to be said of it.
+/// The input prepared by the options, and the messages about it.
 struct Prepared {
   Mesh input;
   std::optional<LabelInput> label;
@@ -528,7 +529,7 @@ Prepared prepared_input(const SurfaceArguments& arguments, SurfaceOptions& optio
   return input;
 }
 
-/// What was left out of the input, or added to it.
+/// Reports the parts that were left out of the input, or added to it.
 void tell_what_differs(const Prepared& input, const PreparedSurface& surface) {
   if (input.label && input.label->surface.parts_left_out > 0)
     tell(fmt::format("label {}: {} smaller parts or voids are left out", input.label->label,
@@ -545,8 +546,8 @@ void tell_what_differs(const Prepared& input, const PreparedSurface& surface) {
     tell(fmt::format("--resection: {} smaller parts are left out", surface.parts_left_out));
 }
 
-/// How much smaller the surface's volume is than that of the label's voxels, as a share of that; nothing where the
-/// surface is not all of that label's.
+/// How much smaller the surface's volume is than that of the label's voxels, as a share of that; nothing if the surface
+/// is not the whole surface of that label.
 std::optional<double> volume_lost(const Prepared& input, const SurfaceCheck& check, const SurfaceOptions& options) {
   if (!input.label || input.canal || options.opening || !check.topology.closed()) return std::nullopt;
   const double voxels = static_cast<double>(input.label->surface.voxels) * input.label->voxel_volume;
@@ -586,7 +587,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
   const PreparedSurface surface = prepare_surface(from, options);
   options.progress("checking");
   write_mesh(arguments.output, surface.mesh);
-  // What counts is what the file says: STL merges and rounds vertices.
+  // The file counts: STL merges and rounds vertices.
   const Mesh written = read_mesh(arguments.output);
   const bool is_of_points = !input.label && !input.canal;
   const SurfaceCheck check = check_surface(written, is_of_points ? std::span(from.vertices) : std::span<const Point>());

@@ -45,14 +45,14 @@ Operands draw(SampleOperands& samples) {
   return {samples.number(A), samples.number(B), 0.0};
 }
 
-/// Half of them cancel the rounded product: what contraction or a lost residual would show.
+/// Half of them cancel the rounded product: they reveal a contraction or a lost residual.
 Operands draw_fused(SampleOperands& samples) {
   const Operands o{samples.number(Domain::line), samples.number(Domain::line), samples.number(Domain::line)};
   const bool cancels = samples.uniform() < 0.5 && std::isfinite(o.a * o.b);
   return {o.a, o.b, cancels ? -(o.a * o.b) : o.c};
 }
 
-/// In [EXP_LOWEST, EXP_HIGHEST] of kernels/arithmetic.clh; outside, the bounds are trivial.
+/// An exponent in [EXP_LOWEST, EXP_HIGHEST] of kernels/arithmetic.clh; outside, the bounds are trivial.
 Operands draw_exponent(SampleOperands& samples) {
   return {std::clamp(samples.number(Domain::exponent), -708.0, 709.0), 0.0, 0.0};
 }
@@ -103,7 +103,7 @@ const NumberOperation number_operations[] = {
 
 // ---------------------------------------------------------------- rows: operations on intervals
 
-/// Those of the host; they refuse what has no value at all.
+/// The operations of the host; they refuse operands without a result.
 using OnHost = Interval (*)(const Interval&, const Interval&);
 
 struct HostOperation {
@@ -124,7 +124,7 @@ const HostOperation host_operations[] = {
     {"interval_hull", [](const Interval& a, const Interval& b) { return hull(a, b); }},
 };
 
-/// Null where the host has none, or one with another domain (log and pow refuse negative arguments).
+/// Null if the host has no such operation, or one with another domain (log and pow refuse negative arguments).
 OnHost on_host(std::string_view name) {
   const auto* const found = std::find_if(std::begin(host_operations), std::end(host_operations),
                                          [name](const HostOperation& candidate) { return candidate.name == name; });
@@ -179,7 +179,7 @@ FunctionAccuracy not_offered(std::string name) {
   return {std::move(name), nothing, nothing, 0, 0};
 }
 
-/// What computes: a device, or the host where there is none.
+/// The computer of the results: a device, or the host if it is null.
 using Computer = OperationKernels*;
 
 std::vector<double> compute(Computer kernels, const NumberOperation& operation, const std::vector<Operands>& operands,

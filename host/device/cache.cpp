@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view being_written = ".partial";
-// Files are written in less than a second: what is that old was left by a process that was killed.
+// Files are written in less than a second: an older one was left by a process that was killed.
 constexpr std::chrono::hours abandoned_after{1};
 
 std::optional<fs::path> cache_directory() {
@@ -47,7 +47,7 @@ std::string framed(std::string_view key, std::string_view content) {
   return header(key.size(), content.size(), both) + both;
 }
 
-// What a file holds, if it is intact.
+// The contents of an intact file.
 struct Entry {
   std::string key;
   std::string content;
@@ -56,7 +56,7 @@ struct Entry {
 std::optional<Entry> intact_entry(const std::string& whole) {
   const std::size_t end_of_header = whole.find('\n') + 1;  // 0 where there is none
   const std::string body = whole.substr(end_of_header);
-  // The header is compared and not read: only the length of the key cannot be told from the file.
+  // The header is compared, not parsed: only the length of the key is not known otherwise.
   const std::string_view before_length = "verisq cache, key ";
   if (!whole.starts_with(before_length)) return std::nullopt;
   const std::size_t key_length = std::strtoull(whole.c_str() + before_length.size(), nullptr, 10);
@@ -65,7 +65,7 @@ std::optional<Entry> intact_entry(const std::string& whole) {
   return Entry{body.substr(0, key_length), body.substr(key_length)};
 }
 
-// The size is asked of the open file: the path may lead to another one, of another process, a moment later.
+// The size is that of the open file: a moment later the path may lead to another file, of another process.
 std::optional<std::string> bytes_of(const fs::path& path) {
   std::error_code failed;
   if (!fs::is_regular_file(path, failed)) return std::nullopt;  // a pipe would be waited for
@@ -77,7 +77,7 @@ std::optional<std::string> bytes_of(const fs::path& path) {
   return bytes;
 }
 
-// What a disk or a file-size limit did not take may show only when the file is closed.
+// A failed write, by a full disk or a file-size limit, may only appear when the file is closed.
 bool write(const fs::path& path, std::string_view bytes) {
   std::ofstream file(path, std::ios::binary);
   file << bytes;

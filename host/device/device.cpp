@@ -90,8 +90,8 @@ Opened open(const cl::Device& device) {
           load_program(context, device, width, self_test_sources())};
 }
 
-// The first failure of the self-test, or an empty string; from the cache where the same self-test tried the same binary
-// on the same device and driver.
+// The first failure of the self-test, or an empty string. It comes from the cache if the same self-test has tried the
+// same binary on the same device and driver.
 std::string self_test_failure(const Opened& opened) {
   const Device& device = opened.device;
   const std::string& binary = opened.self_test.binary;
@@ -150,7 +150,7 @@ class ReadyDevices {
   std::vector<Device> devices_;
 };
 
-// As `test`, but a device that passed before in this process is ready at once.
+// Like `test`, but a device that passed before in this process is ready at once.
 Tested tested_once(const cl::Device& device) {
   ReadyDevices& devices = ReadyDevices::of_process();
   if (std::optional<Device> known = devices.find(device); known && !lacks_linker(device)) return {std::move(known), {}};

@@ -48,9 +48,9 @@ void note_refusal(std::string& notice, std::string_view request, const RefusedDe
 /// Adds that the work ended before the kernels were compiled.
 void note_early_end(std::string& notice);
 
-/// Makes the selected device ready by `make`, which must own all that it uses: it may be given up. Returns nothing
-/// where there is no device. Returns nothing, clears the device and says why in the notice, where it errs on samples or
-/// `ended` is true first. Throws as note_refusal.
+/// Makes the selected device ready by `make`, which must own all that it uses: it may be given up. Returns nothing if
+/// there is no device. If the device errs on samples, or `ended` returns true first: returns nothing, clears the device
+/// and gives the reason in the notice. Throws like note_refusal.
 template <class Make>
 [[nodiscard]] auto made_ready(Selection& selection, std::string_view request, const std::function<bool()>& ended,
                               const Make& make) -> decltype(make(*selection.device)) {

@@ -29,7 +29,7 @@ static_assert(rows_side_by_side % (1U << 10U) == 0);
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_from_unit_model = 0x1p20;
 
-// Of a graphics processor: as much as its memory takes with ease.
+// For a graphics processor: as much as its memory takes with ease.
 std::size_t full_chunk(const Device& device) {
   const std::size_t memory = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>() / part_of_memory;
   return std::clamp(std::bit_floor(memory / bytes_per_query), smallest_full_chunk, queries_per_chunk);

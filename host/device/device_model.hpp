@@ -59,7 +59,7 @@ struct DeviceModel {
   cl::Buffer primitives;      ///< PrimitiveParameters of each
   std::size_t count;          ///< number of primitives
   std::vector<bool> tapered;  ///< for each primitive
-  std::string memory;         ///< option of programs that read them (model_memory.hpp)
+  std::string memory;         ///< option of programs that read them
   std::size_t chunk_size;     ///< queries a chunk may hold: memory stays bounded however large the model
 
   [[nodiscard]] bool has_tapered() const { return std::ranges::find(tapered, true) != tapered.end(); }

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(sizeof(MapResult) % sizeof(double) == 0, "the stride of its ends is a whole one");
 
-// Where a column's values lie.
+// The memory of a column's values.
 struct Extent {
   const std::byte* first;
   std::size_t bytes;
@@ -34,13 +34,13 @@ Extent extent_of(const Column<Value>& column, std::size_t size) {
   return {first, static_cast<std::size_t>(end - first), std::same_as<std::remove_const_t<Value>, double>};
 }
 
-// From a whole number on where there are numbers, so that their offsets are whole.
+// If there are numbers, the extent starts at a whole number, so that their offsets are whole.
 Extent aligned(const Extent& extent) {
   const std::size_t beyond = extent.has_numbers ? reinterpret_cast<std::uintptr_t>(extent.first) % sizeof(double) : 0;
   return {extent.first - beyond, extent.bytes + beyond, extent.has_numbers};
 }
 
-// Those that overlap in one: buffers must not share memory.
+// Unites overlapping extents: buffers must not share memory.
 std::vector<Extent> united(std::vector<Extent> all) {
   std::ranges::sort(all, {}, &Extent::first);
   std::vector<Extent> apart;
@@ -70,7 +70,7 @@ class SharedMemory final : public HostMemory {
     buffers_.clear();
     for (std::size_t i = 0; i < extents_.size(); ++i) {
       const cl_mem_flags access = takes_results(i) ? CL_MEM_READ_WRITE : CL_MEM_READ_ONLY;
-      // Of memory that is only read, too, OpenCL asks for a pointer that may write.
+      // OpenCL requires a pointer that may write also for memory that is only read.
       auto* const memory = const_cast<std::byte*>(extents_[i].first);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
       buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, extents_[i].bytes, memory);
     }

@@ -42,8 +42,8 @@ const Library& library() {
   return opened;
 }
 
-/// What a function reports when the library or the function is missing; as its result or, where that is an object,
-/// through its last argument. It is what OpenCL's own loader says on a machine without drivers.
+/// The error that a function reports if the library or the function is missing: as its result or, if that is an object,
+/// through its last argument. OpenCL's own loader reports the same on a machine without drivers.
 template <typename Result, typename... Arguments>
 Result not_found(Arguments... arguments) {
   if constexpr (std::is_same_v<Result, cl_int>) {
@@ -55,7 +55,7 @@ Result not_found(Arguments... arguments) {
   }
 }
 
-/// `own` is our function of that name: it tells the type, and makes one static pointer a function.
+/// `own` is our function of that name: it determines the type, and gives each function its own static pointer.
 template <auto own, typename... Arguments>
 auto forward(const char* name, Arguments... arguments) {
   static const auto function =

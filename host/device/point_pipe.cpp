@@ -151,12 +151,12 @@ void RowsInSteps::enqueue_rows(ChunkQueue& queue, std::size_t size) {
 
 namespace {
 
-// With no work for a point on the host between two chunks a launch is what they cost; open rows make chunks shorter
-// (host/maps/piped_map.hpp), so that limits are felt all the same.
+// If the host has no work for a point between two chunks, a launch is their whole cost. Open rows make chunks shorter
+// (host/maps/piped_map.hpp), so that limits are still noticed soon.
 constexpr std::size_t points_of_processor_chunk = std::size_t{1} << 16U;
 
-// The programs that a pipe's slots share, each compiled when it is first asked for: maps without points inside wait for
-// one kernel alone.
+// The programs that a pipe's slots share, each compiled at its first use: maps without points inside wait for one
+// kernel alone.
 class PipePrograms {
  public:
   PipePrograms(const Device& device, const DeviceModel& model) : device_(device), model_(model) {}
@@ -195,7 +195,7 @@ class PipeSlot {
       make_steps();
   }
 
-  /// `searched`: whether points inside are searched at once, or when it is known that there are some.
+  /// `searched`: whether points inside are searched at once, or only when there are some.
   void start(const PointColumns& points, const ResultColumns& rows, bool searched) {
     size_ = points.size();
     searched_ = searched;
@@ -221,7 +221,7 @@ class PipeSlot {
     return times;
   }
 
-  /// Of the chunk that was finished last.
+  /// Returns whether depths were searched for the chunk that was finished last.
   [[nodiscard]] bool searched() const { return searched_; }
 
   // Precondition: finished.
@@ -262,8 +262,8 @@ class PipeSlot {
     queue_.flush();
   }
 
-  // A point inside whose depth is not searched has a row at least as wide as it is deep: where that is more than asked
-  // for, the row is open, or wide.
+  // A point inside whose depth is not searched has a row at least as wide as it is deep. If that is more than the
+  // tolerance, the row is open, or wide.
   [[nodiscard]] bool may_be_inside() const {
     return std::ranges::any_of(totals_->of_blocks(),
                                [](const RowSums& s) { return s.open_inside > 0 || s.wide_inside > 0; });
@@ -342,8 +342,8 @@ class DevicePipe final : public PointPipe {
   std::vector<PipeSlot> slots_;
   std::deque<std::size_t> in_flight_;
   std::size_t next_ = 0;
-  // Depths are searched together with distances once a chunk has asked for them: before, maps without any wait neither
-  // for their kernel's compilation nor, in every chunk, for it to find nothing.
+  // Depths are searched together with distances once a chunk has needed them. Before, maps without points inside wait
+  // neither for their kernel's compilation nor, in every chunk, for its empty run.
   bool has_points_inside_ = false;
   BusyTime busy_;
 };
@@ -377,7 +377,8 @@ class SeveralPipes final : public PointPipe {
     return largest;
   }
 
-  // So that all take about as long for theirs: rows come back in order, and the fast ones would wait for the slow.
+  // Chosen so that all take about as long for their chunks: rows come back in order, and the fast ones would wait for
+  // the slow.
   [[nodiscard]] std::size_t capacity() const override {
     const Member& next = members_[next_];
     const auto slower = [](const Member& a, const Member& b) { return a.points_a_second < b.points_a_second; };
@@ -424,7 +425,7 @@ class SeveralPipes final : public PointPipe {
     if (failure) std::rethrow_exception(failure);
   }
 
-  // Of the one that took longest.
+  // The time of the pipe that took longest.
   [[nodiscard]] double device_seconds() const override {
     double longest = 0.0;
     for (const Member& member : members_) longest = std::max(longest, member.pipe->device_seconds());

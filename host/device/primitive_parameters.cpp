@@ -12,10 +12,10 @@
 
 namespace verisq::device {
 
-// With v = 2^-64: squares and products of components carry one rounding, sums of four of them three more, so that
-// numerators are off by at most 4.1 v n, n = |q|^2, the divisor by 4.1 v n, and the quotient, at most 1, by 9.3 v. The
-// rounding to binary64 adds 2^-54: together less than 2^-53. Scaled to largest component 1, nothing overflows, and
-// what underflows does not matter.
+// With v = 2^-64: squares and products of components carry one rounding, sums of four of them three more. So numerators
+// are off by at most 4.1 v n, n = |q|^2, the divisor by 4.1 v n, and the quotient, at most 1, by 9.3 v. The rounding to
+// binary64 adds 2^-54: together less than 2^-53. Scaled to largest component 1, nothing overflows, and underflow is
+// negligible.
 std::array<double, 9> rotation_matrix(const std::array<double, 4>& quaternion) {
   static_assert(LDBL_MANT_DIG >= 64, "the error bound needs 64 bits");
   double largest = 0.0;
@@ -60,9 +60,9 @@ void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& expone
   }
 }
 
-// Norms of two numbers fall with the exponent, ||w||_p <= ||w||_p_down <= 2^(1/p_down - 1/p) ||w||_p, so the gauge with
-// p_down is at most 2^d times the exact one, d = sum of 1/p_down - 1/p over both exponents, and 1/p = e/2. And
-// 2^d <= 1 + d for d in [0, 1].
+// Norms of two numbers fall with the exponent: ||w||_p <= ||w||_p_down <= 2^(1/p_down - 1/p) ||w||_p. So the gauge with
+// p_down is at most 2^d times the exact one, d = sum of 1/p_down - 1/p over both exponents, with 1/p = e/2. And 2^d <=
+// 1 + d for d in [0, 1].
 void set_containment(PrimitiveParameters& out, const std::array<double, 2>& exponents) {
   Extended d = 0;
   for (int i = 0; i < 2; ++i) {
@@ -73,10 +73,10 @@ void set_containment(PrimitiveParameters& out, const std::array<double, 2>& expo
 }
 
 // Bound of |computed - exact local point| / |x - translation|_1. Each component of the local point is a sum of three
-// products R_ij d_j whose factors carry one rounding each and which pass through at most three more; columns of R have
+// products R_ij d_j whose factors carry one rounding each and which pass through at most three more. Columns of R have
 // length 1, so the error vector is at most ((1 + u)^5 - 1) |d|_1 < 5.01 u |d|_1. An entry below 2^-1022 is off by
-// 2^-1075, for which the rest of 5.1 u has room. Of the many digits an entry is 0 only where it is exactly 0 (sums of
-// two exact products round to no zero, and their exponents have no end that matters), though its binary64 number may
+// 2^-1075, for which the rest of 5.1 u has room. In many digits an entry is 0 only if it is exactly 0: sums of two
+// exact products do not round to zero, and their exponents have no relevant limit. Its binary64 number may still
 // vanish.
 double pose_error(const PrimitiveParameters& out, const std::array<Extended, 9>& rotation) {
   const bool permutes =
@@ -101,8 +101,8 @@ void set_radii(PrimitiveParameters& out, const std::array<double, 2>& exponents)
   out.circumradius_up = round_up(sqrt(squares) * (1 + Extended(0x1p-100)));
 }
 
-// The greatest |(x, y)| with ||(x/a, y/b)||_p <= 1, p = 2/e: by Hoelder's inequality for squares, whose exponent is
-// p/2, the norm of (a, b) with exponent 2 p/(p - 2) = 2/(1 - e); for p <= 2 the greater of both.
+// The greatest |(x, y)| with ||(x/a, y/b)||_p <= 1, p = 2/e. By Hoelder's inequality for squares, whose exponent is
+// p/2, it is the norm of (a, b) with exponent 2 p/(p - 2) = 2/(1 - e); for p <= 2 the greater of both.
 Extended reach(const Extended& a, const Extended& b, double e) {
   const Extended greater = std::max(a, b);
   if (e >= 1.0) return greater;
@@ -116,11 +116,11 @@ void set_reach(PrimitiveParameters& out, const std::array<double, 2>& exponents)
   out.reach_up = round_up(reach(section, out.semi_axes[2], exponents[0]) * (1 + Extended(0x1p-100)));
 }
 
-// With k' the rounded k, a point of the solid, ((1 + k z) x, (1 + k z) y, a3 z) with z = (Z - k)/(1 - k Z), moves with
-// k along z by a3 (1 - Z^2)/(1 - k Z)^2 <= a3/(1 - k^2), and across by |(a1, a2)| |z + k dz/dk| <= |(a1, a2)| (1 +
-// |k|/(1 - k^2)), per unit of k: between k and k', at most |k - k'| times their sum for the greater of both. The
-// distances of convex sets of which each point has one of the other within that, and those about a rounded focus,
-// differ by no more.
+// With k' the rounded k, consider a point of the solid, ((1 + k z) x, (1 + k z) y, a3 z) with z = (Z - k)/(1 - k Z).
+// Per unit of k, it moves with k along z by a3 (1 - Z^2)/(1 - k Z)^2 <= a3/(1 - k^2), and across by |(a1, a2)| |z + k
+// dz/dk| <= |(a1, a2)| (1 + |k|/(1 - k^2)). Between k and k' it moves by at most |k - k'| times their sum for the
+// greater of both. If each point of a convex set has a point of the other within that, their distances, and those about
+// a rounded focus, differ by no more.
 void set_taper(PrimitiveParameters& out, double ratio) {
   const Extended k = (Extended(ratio) - 1) / (Extended(ratio) + 1);
   out.taper = k.convert_to<double>();
@@ -185,13 +185,13 @@ int scale_exponent(const Model& model) {
 
 namespace {
 
-// As `pose_error` of primitive_parameters: three products of factors that carry one rounding each, at most three more
+// Like `pose_error` of primitive_parameters: three products of factors that carry one rounding each, at most three more
 // on the way, columns of length 1.
 constexpr double frame_error = 5.1 * 0x1p-53;
 
-// The rotation about z by -angle after the pose's, in more digits than binary64 can tell from exact.
+// The rotation about z by -angle after the pose's, with errors far below binary64's.
 void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
-  // What is not bent keeps its own axes, whatever the angle: its normals come in them.
+  // An unbent primitive keeps its own axes, whatever the angle: its normals are in them.
   const bool bent = is_bent(primitive);
   const double degrees = bent ? std::fmod(primitive.bend->angle_degrees, 360.0) : 0.0;  // exact
   const Extended angle = Extended(degrees) / 180 * boost::math::constants::pi<Extended>();
@@ -209,9 +209,9 @@ void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
   out.bend_sin = sine.convert_to<double>();
 }
 
-// Where ||(1, z/a3)||_p1 - k z/a3 is least over z. Its derivative vanishes where that of the norm by z/a3 is k; with q
-// the conjugate exponent of p1, the one by the other component is (1 - |k|^q)^(1/q) then, and (z/a3)^p1 = |k|^q/(1 -
-// |k|^q).
+// The z at which ||(1, z/a3)||_p1 - k z/a3 is least. Its derivative vanishes where the derivative of the norm by z/a3
+// is k. With q the conjugate exponent of p1, the derivative by the other component is then (1 - |k|^q)^(1/q), and
+// (z/a3)^p1 = |k|^q/(1 - |k|^q).
 void set_turn(BoxPrimitiveParameters& out, const Superquadric& solid) {
   const Extended e(solid.exponents[0]);
   out.turn = 0.0;
@@ -230,7 +230,7 @@ BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int 
   out.solid = primitive_parameters(primitive, scale_exponent);
   set_frame(out, primitive);
   out.curvature = primitive.bend ? std::ldexp(std::abs(primitive.bend->curvature), -scale_exponent) : 0.0;
-  // |r| <= |(x, y)| <= a1 + a2, times what the widest section of a tapered solid is larger by
+  // |r| <= |(x, y)| <= a1 + a2, times the widening of a tapered solid's widest section
   const Extended widest = (1 + abs(Extended(out.solid.taper))) * (1 + Extended(0x1p-50));
   const Extended across = widest * (Extended(out.solid.semi_axes[0]) + out.solid.semi_axes[1]);
   out.least_w = round_down(1 - Extended(out.curvature) * across);

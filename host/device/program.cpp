@@ -137,7 +137,7 @@ namespace {
 
 constexpr std::string_view white_space = " \t\r\n";
 
-// What stands between the parentheses after `kernel void NAME`; empty where there is no such kernel.
+// The text between the parentheses after `kernel void NAME`; empty if there is no such kernel.
 std::string_view parameters_of(std::string_view source, const std::string& name) {
   const std::string head = "kernel void " + name + "(";
   const std::size_t at = source.find(head);

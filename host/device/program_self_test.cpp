@@ -49,7 +49,7 @@ double signed_power(double x, double exponent) {
   return std::copysign(std::pow(std::abs(x), exponent), x);
 }
 
-// On the surface of the solid of Eq. (1), about, before taper, bend and pose.
+// About on the surface of the solid of Eq. (1), before taper, bend and pose.
 Point on_surface(const Superquadric& solid, Draws& draws) {
   const double eta = draws.between(-0.5, 0.5) * std::numbers::pi;
   const double omega = draws.between(-1.0, 1.0) * std::numbers::pi;
@@ -67,7 +67,7 @@ Point tapered(const Superquadric& solid, const Point& p) {
   return {wider * p[0], wider * p[1], z};
 }
 
-// As include/verisq/model.hpp defines it.
+// The bent point, as include/verisq/model.hpp defines it.
 Point bent(const Bend& bend, const Point& p) {
   const double k = bend.curvature;
   const double angle = bend.angle_degrees * std::numbers::pi / 180.0;
@@ -81,7 +81,7 @@ Point bent(const Bend& bend, const Point& p) {
   return {bent_r * std::cos(angle) - s * std::sin(angle), bent_r * std::sin(angle) + s * std::cos(angle), bent_z};
 }
 
-// How far out a point lies, by its turn: 1 is on the surface.
+// The relative distance of a point from the centre, by its turn: 1 is on the surface.
 double share_of_reach(std::size_t turn, Draws& draws) {
   switch (turn % 8) {
     case 0: return 1.0;
@@ -153,7 +153,8 @@ std::vector<Enclosure> answers(Batch<Query>& batch, const std::vector<Query>& qu
   return enclosures;
 }
 
-// From each point to the next ones, or a few sizes of the solid from it, so that some meet the model and others do not.
+// Triangles from each point to the next ones, or to points a few sizes of the solid away, so that some meet the model
+// and others do not.
 std::vector<Triangle> sample_triangles(const Model& model) {
   const std::vector<Point> points = sample_points(model, triangles_of_model + 2);
   const double size = model.primitives.front().superquadric.semi_axes[0];
@@ -211,7 +212,8 @@ std::string first_fault_of_poses(const Device& device, const cl::Program& progra
 
 namespace {
 
-// More than a block of rows, and neither whole blocks nor whole vectors, so that what lies behind the last point shows.
+// More than a block of rows, and neither whole blocks nor whole vectors, so that writes behind the last point are
+// found.
 constexpr std::size_t sampled_rows = rows_of_block + 83;
 constexpr std::size_t distinct_points = 72;
 
@@ -253,8 +255,8 @@ class SampleChunk {
   [[nodiscard]] ChunkQueue& queue() { return queue_; }
   [[nodiscard]] const RowTotals& totals() const { return totals_; }
 
-  /// `enqueue` is told the chunk that is bound. Where `apart`, coordinates and ends are columns of their own, of unlike
-  /// strides, some backwards: kernels know memory of any.
+  /// Calls `enqueue` with the bound chunk. If `apart`, coordinates and ends are columns of their own, of unlike
+  /// strides, some backwards: kernels must support any memory.
   Answer operator()(std::span<const Point> points, bool apart, const std::function<void(const BoundChunk&)>& enqueue) {
     const std::size_t size = points.size();
     Answer answer{std::vector<MapResult>(size, {{0.0, 0.0}, Status::host_verified}), {}};
@@ -281,9 +283,9 @@ class SampleChunk {
   RowTotals totals_;
 };
 
-// ---- what the host says of rows
+// ---- the host's rows
 
-// As tight as methods get, by the words of RowCriterion.
+// As tight as methods get, as defined by RowCriterion.
 bool is_tightest(const RowCriterion& criterion, const Point& point, const Enclosure& row) {
   if (row.hi < 0.0) return verified(row, criterion.inside);
   return verified(row, criterion.outside * std::max(verify::largest_coordinate(point), criterion.radius));
@@ -353,7 +355,7 @@ std::vector<Point> repeated(std::span<const Point> points, std::size_t count) {
 /// Makes rows of the bound points, as many as there are.
 using Launch = std::function<Answer(std::span<const Point>, bool apart, const RowCriterion&)>;
 
-// How many of the first points must have rows as narrow as the criterion asks for: those outside.
+// `wanted` is the number of first points whose rows must be as narrow as the criterion requires: the points outside.
 std::string fault(const Samples& samples, const RowCriterion& criterion, bool apart, std::size_t wanted,
                   const Launch& launch) {
   const std::vector<Point> points = repeated(samples.points, sampled_rows);
@@ -369,7 +371,7 @@ std::string fault(const Samples& samples, const RowCriterion& criterion, bool ap
   return found.empty() ? false_verdict(points, answer, criterion) : found;
 }
 
-// A single coordinate that is not finite must be told of, wherever it is.
+// A single coordinate that is not finite must be reported, wherever it is.
 std::string silence(const Samples& samples, const RowCriterion& criterion, const Launch& launch) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < 3; ++i) {

@@ -108,7 +108,7 @@ CertificateAssembly::CertificateAssembly(const Model& model) {
   }
 }
 
-// To nearest, with room for rounding: where it is close the normal is kept.
+// Computed to nearest, with room for rounding: in close cases the normal is kept.
 bool CertificateAssembly::clear_of_sphere(const Point& point, double distance, const Sphere& sphere) {
   const double from_centre =
       std::hypot(point[0] - sphere.centre[0], point[1] - sphere.centre[1], point[2] - sphere.centre[2]);
@@ -152,7 +152,7 @@ constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end 
 // One chunk on its way through the device.
 class PointSlot : public ChunkSlot {
  public:
-  // `assembly`: nothing unless certificates are asked for.
+  // `assembly`: nothing unless certificates are requested.
   PointSlot(const Device& device, const PointPrograms& programs, const DeviceModel& model, double tolerance,
             std::optional<CertificateAssembly> assembly)
       : ChunkSlot(device, model),
@@ -174,7 +174,7 @@ class PointSlot : public ChunkSlot {
     queue_.flush();
   }
 
-  // Fills `certificates` where they were asked for. Precondition: finished.
+  // Fills `certificates` if they were requested. Precondition: finished.
   void certify(std::span<const Enclosure> enclosures, std::vector<Certificate>& certificates) const {
     if (!assembly_) return;
     Evidence evidence;
@@ -249,7 +249,7 @@ namespace {
 
 constexpr std::size_t coordinates = 9;  // of a triangle: x, y, z of each corner
 
-// What triangle_distance tells about one primitive.
+// The outputs of triangle_distance for one primitive.
 constexpr std::array<std::string_view, 7> output_arguments{"los",       "his",       "normal_xs", "normal_ys",
                                                            "normal_zs", "weights_1", "weights_2"};
 constexpr std::size_t outputs = output_arguments.size();
@@ -297,7 +297,7 @@ class TriangleSlot : public ChunkSlot {
     queue_.flush();
   }
 
-  // Fills `certificates` where they were asked for. Precondition: finished.
+  // Fills `certificates` if they were requested. Precondition: finished.
   void certify(std::span<const Enclosure> /*enclosures*/, std::vector<Certificate>& certificates) const {
     if (evidence_.empty()) return;
     TriangleEvidence evidence(count_);

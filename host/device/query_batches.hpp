@@ -33,7 +33,7 @@ class PointKernels {
 
   /// x, y, z, in the device's numbers: to be written before `enqueue`, in whole vectors.
   [[nodiscard]] const std::array<cl::Buffer, 3>& coordinates() const { return points_.coordinates; }
-  /// Lower and upper ends, likewise.
+  /// Lower and upper ends, in the device's numbers.
   [[nodiscard]] const std::array<cl::Buffer, 2>& ends() const { return ends_; }
   /// The evidence for each primitive, and for each point a point outside of all primitives; not for a single primitive.
   [[nodiscard]] const std::vector<EvidenceBuffers>& evidence() const { return views_; }

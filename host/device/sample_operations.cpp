@@ -209,7 +209,7 @@ bool is_zero(Ends a) {
 
 // ---------------------------------------------------------------- ranges
 
-/// For operations monotone in each operand on its own.
+/// The range of an operation that is monotone in each operand on its own.
 Ends corners(double (*value)(double, double, Direction), Ends a, Ends b, Direction lower) {
   Ends range{infinity, -infinity};
   for (const double x : {a.lo, a.hi}) {
@@ -266,8 +266,8 @@ Ends product(Ends a, Ends b, Direction lower) {
   return corners(exact::product, a, b, lower);
 }
 
-/// At a corner of a box whose divisors have one sign. Where numerator and divisor vanish together, or grow together,
-/// the corner is no value; 0 is a value beside it, or a limit of values.
+/// The quotient at a corner of a box whose divisors have one sign. If numerator and divisor vanish together, or grow
+/// together, the corner has no value; 0 is a value beside it, or a limit of values.
 double corner_quotient(double a, double b, Direction direction) {
   return (a == 0.0 && b == 0.0) || (std::isinf(a) && std::isinf(b)) ? 0.0 : exact::quotient(a, b, direction);
 }
@@ -459,7 +459,7 @@ std::vector<OperationKernels::Column> OperationKernels::run(cl::Kernel& kernel, 
     buffers.emplace_back(context_, CL_MEM_WRITE_ONLY, bytes);
     kernel.setArg(argument++, buffers.back());
   }
-  // PoCL compiles a kernel again for each size of work-groups; for groups of one work-item that takes it least time.
+  // PoCL compiles a kernel again for each size of work-groups; for groups of one work-item the compilation is fastest.
   queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups),
                               vector_width_ > 1 ? cl::NDRange(1) : cl::NullRange);
   std::vector<Column> results(outputs, Column(groups * vector_width_));

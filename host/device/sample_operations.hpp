@@ -134,8 +134,8 @@ struct IntervalOperation {
 [[nodiscard]] Ends range_of(const IntervalOperation& operation, const IntervalOperands& operands,
                             verify::Direction lower = verify::Direction::down);
 
-/// What is wrong with `result` as an enclosure of the nonempty or empty `range` over these operands: "misses" where it
-/// does not contain it, "too wide" beyond the promised slack, nothing where all is well.
+/// The fault of `result` as an enclosure of the nonempty or empty `range` over these operands: "misses" if it does not
+/// contain the range, "too wide" beyond the promised slack, empty if there is none.
 [[nodiscard]] std::string fault(const IntervalOperation& operation, const IntervalOperands& operands, Ends range,
                                 Ends result);
 

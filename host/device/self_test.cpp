@@ -73,7 +73,7 @@ Exact rounded_twice(const Operands& o) {
   return Exact(o.a * o.b) + o.c;
 }  // compiled with -ffp-contract=off
 
-// Transcendental values to 200 bits: far beyond what the comparison needs, and quick.
+// Transcendental values to 200 bits: far more than the comparison needs, and fast.
 using Extended =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
 Exact exponential(const Operands& o) {
@@ -90,7 +90,7 @@ Exact inverse_tangent_ratio(const Operands& o) {
   return o.a == 0.0 ? Exact(1.0) : Exact(atan(Extended(o.a)) / o.a);
 }
 
-// In the order of kernels/self_test.cl.
+// The order is that of kernels/self_test.cl.
 constexpr double outward = 0x1p-51;  // two steps of a unit in the last place
 const Operation operations[] = {
     {"a + b", Promise::nearest, sum, always, 0.0},

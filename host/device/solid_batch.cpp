@@ -34,12 +34,12 @@ constexpr cl_uint round_limit_of_processor = 4096;
 constexpr cl_uint round_limit = 512;
 
 // Lanes of a processor's work-item share a block of points about a bent primitive, one vector of which lies on one side
-// of it; a graphics processor's work-item owns one point.
+// of it. A graphics processor's work-item owns one point.
 constexpr std::size_t block_points_of_vector_work_item = 512;
 
-// What is known of each primitive on its own.
+// The results for each primitive on its own.
 constexpr std::array<std::string_view, 5> part_arguments{"part_los", "part_his", "normal_xs", "normal_ys", "normal_zs"};
-// Of points whose nearest one may lie on an edge.
+// Results for points whose nearest point may lie on an edge.
 constexpr std::array<std::string_view, 5> edge_arguments{"others", "edges", "foot_xs", "foot_ys", "foot_zs"};
 constexpr std::array<std::string_view, 3> centre_arguments{"centre_xs", "centre_ys", "centre_zs"};
 
@@ -56,7 +56,8 @@ SolidPrograms tried_programs(const Device& device, const Model& model) {
   });
 }
 
-// Twice: the first of a model is evaluated at all points, later ones at those that they may be nearest to.
+// Uploaded twice: the first primitive of a model is evaluated at all points, later ones at those to which they may be
+// nearest.
 cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int scale) {
   const PrimitiveParameters parameters = primitive_parameters(primitive, scale);
   std::array both{parameters, parameters};
@@ -70,7 +71,7 @@ struct Part {
   cl::Buffer convex;  // PrimitiveParameters
 };
 
-// What all slots share.
+// The data that all slots share.
 struct SolidModel {
   SolidModel(const Device& device, const SolidPrograms& of_model, const Model& model)
       : size(device, model),
@@ -94,7 +95,7 @@ struct SolidModel {
 // One chunk on its way through the device: enclosures for each convex primitive on its own, then the search.
 class SolidSlot : public ChunkSlot {
  public:
-  /// Of the chunk that is collected, `directions` get those of its points, unless null.
+  /// For the collected chunk, `directions` receives those of its points, unless null.
   SolidSlot(const Device& device, const SolidModel& model, double tolerance,
             std::optional<SolidDirections> evidence_of_directions, std::shared_ptr<std::vector<Point>> directions)
       : ChunkSlot(device, model.size),
@@ -167,7 +168,7 @@ class SolidSlot : public ChunkSlot {
     queue_.flush();
   }
 
-  // No certificates. Precondition: finished.
+  // There are no certificates. Precondition: finished.
   void certify(std::span<const Enclosure> enclosures, std::vector<Certificate>& /*certificates*/) const {
     if (!directions_) return;
     directions_->clear();
@@ -181,7 +182,7 @@ class SolidSlot : public ChunkSlot {
   static constexpr double smallest_tolerance = 0x1p-40;  // cubes are not split below
   static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
-  // On its own: what was found for other primitives says nothing about a tree of set operations.
+  // Each primitive on its own: results of other primitives do not matter to a tree of set operations.
   void enqueue_convex(std::size_t i) { enqueue_convex(points_, {parts_[i].convex, 0, parts_[i].tapered}, views_[i]); }
 
   void enqueue_convex(const ConvexDistance::Points& points, const ConvexDistance::Primitive& primitive,
@@ -200,7 +201,7 @@ class SolidSlot : public ChunkSlot {
     bent_groups_per_block_ > 1 ? queue_.launch(bent_distance_, blocks, 1) : queue_.launch(bent_distance_, blocks);
   }
 
-  // What needs no search: feet are proposed, balls about them proven, then bounds.
+  // The bounds without a search: feet are proposed, balls about them proven, then bounds.
   void enqueue_bounds() {
     const std::size_t vectors = padded() / solid_width_;
     set_feet_.set("groups", vectors);
@@ -211,7 +212,7 @@ class SolidSlot : public ChunkSlot {
     queue_.launch(set_bounds_, vectors);
   }
 
-  // Centres of balls as points, where one is wanted. Of what is found about them their upper ends are kept.
+  // Processes the centres of balls as points, if one is needed. Of the results the upper ends are kept.
   void enqueue_balls(std::size_t i) {
     const auto window = [&](const cl::Buffer& column) { return windows(column, count_, capacity_)[i]; };
     of_balls_[1] = window(ball_his_);
@@ -333,7 +334,7 @@ class SolidTriangleBatch final : public Batch<Triangle> {
     }
   }
 
-  // Each task with its points: those that its triangles ask for, one triangle after the other.
+  // Each task with its points: those that its triangles request, one triangle after the other.
   struct Task {
     std::vector<Point> points;
     std::vector<std::size_t> counts;

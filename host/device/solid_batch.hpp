@@ -41,9 +41,9 @@ struct DirectedBatch {
 
 // Triangles in, distances to a model with bends or set operations out.
 
-/// Branch and bound over parts of each triangle (verify/search/solid_triangle_distance.hpp): the device answers the
-/// points that all triangles of a chunk ask for at a time. Stops at the tolerance, absolute in model units, and when
-/// `stop`, unless empty, says so. Preconditions and errors as those of solid_batch.
+/// Branch and bound over parts of each triangle (verify/search/solid_triangle_distance.hpp): the device evaluates the
+/// points that all triangles of a chunk request at a time. Stops at the tolerance, absolute in model units, and once
+/// `stop`, unless empty, returns true. Preconditions and errors as those of solid_batch.
 [[nodiscard]] std::unique_ptr<Batch<Triangle>> solid_triangle_batch(const Device& device, const Model& model,
                                                                     double tolerance,
                                                                     const std::function<bool()>& stop);

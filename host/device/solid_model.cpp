@@ -122,7 +122,7 @@ std::string bits_of(const ModelTerms& terms, std::uint32_t verify::SetTerm::*lit
   return text + "0U";  // no array is empty
 }
 
-/// Those of the closure of the complement after those of the solid.
+/// The terms of the closure of the complement follow those of the solid.
 std::string terms_of_both(const Model& model) {
   const ModelTerms terms = model_terms(model);
   return fmt::format(
@@ -135,7 +135,7 @@ std::string terms_of_both(const Model& model) {
 }  // namespace
 
 std::string why_not_compiled(const Model& model) {
-  // Kernels hold the colours of all primitives, whether the tree has them or not.
+  // Kernels store the colours of all primitives, whether the tree has them or not.
   const std::size_t leaves = verify::size_of_tree(model);
   if (leaves <= most_compiled_leaves) return {};
   return fmt::format("the model's tree has {} leaves, of which the device's kernels take {}: the host does all", leaves,
@@ -212,7 +212,7 @@ namespace {
 constexpr double no_edge = -1.0;          // as in kernels/set_bounds.cl
 constexpr double nearly_the_same = 1e-9;  // of a distance, in units of the model's size
 
-// By the transpose.
+// Rotates by the transpose.
 Point turned_back(const std::array<double, 9>& r, const Point& v) {
   return {r[0] * v[0] + r[3] * v[1] + r[6] * v[2], r[1] * v[0] + r[4] * v[1] + r[7] * v[2],
           r[2] * v[0] + r[5] * v[1] + r[8] * v[2]};

@@ -29,7 +29,7 @@ inline constexpr std::size_t most_compiled_leaves = 100;
 /// Why the model has no program of its own; empty where it has one.
 [[nodiscard]] std::string why_not_compiled(const Model& model);
 
-/// The text of a program for one model: PRIMITIVES (their number), its terms (model_terms.hpp), the layers, the kernels
+/// The text of a program for one model: PRIMITIVES (their number), its terms (`ModelTerms`), the layers, the kernels
 /// that are its entry points, and the functions `solid_colour` and `solid_node` that kernels/set_tree.clh declares.
 /// Numbers of the model do not enter, only its structure: models that differ by numbers alone share a program.
 /// Precondition: the model may be compiled.
@@ -50,19 +50,19 @@ inline constexpr std::size_t most_terms = 32;
 
 [[nodiscard]] ModelTerms model_terms(const Model& model);
 
-/// Whether set_bounds may ask for balls in the primitive: where it is cut away from others.
+/// Returns whether set_bounds may ask for balls in the primitive: if it is cut away from others.
 [[nodiscard]] bool holds_balls(const ModelTerms& terms, std::size_t primitive);
 
 // A model with bends or set operations in the memory of a device, and the cube that its searches start from.
 
-/// The model's root cube, which holds the solid in its interior, in units of 2^-scale_exponent model units; centres and
-/// corners of its octree are binary64 numbers down to 2^-40 of it. Precondition: within_device_range(model).
+/// The model's root cube, which contains the solid in its interior, in units of 2^-scale_exponent model units. Centres
+/// and corners of its octree are binary64 numbers down to 2^-40 of it. Precondition: within_device_range(model).
 [[nodiscard]] verify::Cube root_cube(const Model& model, int scale_exponent);
 
 /// BoxPrimitiveParameters of each primitive.
 [[nodiscard]] cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int scale_exponent);
 
-/// The option of programs that read them (model_memory.hpp).
+/// The option of programs that read them (`model_memory_option`).
 [[nodiscard]] std::string box_primitives_memory(const Device& device, const Model& model);
 
 /// Children of a cube are the lanes of a vector: vectors of eight, or scalars.
@@ -70,11 +70,11 @@ inline constexpr std::size_t most_terms = 32;
   return device.vector_width > 1 ? 8 : 1;
 }
 
-// About the gradients of signed distances to a model with bends or set operations, from what kernels found on their
-// way: they prove nothing.
+// About the gradients of signed distances to a model with bends or set operations, from intermediate results of
+// kernels: they prove nothing.
 
-/// Of a point whose nearest one is on the boundary of one primitive, that primitive's normal; where it is on an edge of
-/// two, the way from there.
+/// For a point whose nearest surface point is on the boundary of one primitive: that primitive's normal. If the nearest
+/// point is on an edge of two primitives: the vector from it to the point.
 class SolidDirections {
  public:
   SolidDirections(const Model& model, int scale_exponent, std::size_t capacity);
@@ -88,8 +88,8 @@ class SolidDirections {
   /// Enqueues the reading of the first `size` points' evidence, primitive by primitive, and of their edges.
   void read(ChunkQueue& queue, std::span<const EvidenceBuffers> primitives, const Edges& edges, std::size_t size);
 
-  /// Of point `n`, its place and distance in the device's numbers; zero where nothing fits. Precondition: read and
-  /// finished.
+  /// The direction for point `n`, from its place and distance in the device's numbers; zero if no evidence fits.
+  /// Precondition: read and finished.
   [[nodiscard]] Point operator()(std::size_t n, const Point& at, const Enclosure& distance) const;
 
  private:

@@ -158,7 +158,7 @@ class ReadingArchive {
     (describe(ReadingArchive(value_.element(k++)), values), ...);
   }
 
-  /// An array of any length; each of its elements says one element of each list.
+  /// An array of any length; `how` describes one element of each list for each of its elements.
   template <class How, class... Lists>
   void list(const How& how, Lists&... lists) const {
     const std::size_t count = value_.size();
@@ -372,7 +372,7 @@ class WritingArchive {
   Document* document_;
 };
 
-// Questions that `each` asks of elements.
+// Conditions that `each` tests for elements.
 
 /// The condition that no element equals an earlier one, by the result of `of`.
 template <class List, class Tell = std::identity>

@@ -23,7 +23,7 @@ namespace {
 
 using certificates::certificate_format;
 
-/// Of the kind that it returns.
+/// Checks the format, and returns the kind.
 std::string checked_kind(const JsonValue& root) {
   if (!root.json().is_object()) root.fail("must be an object");
   if (const JsonValue format = root.at("format"); format.text() != certificate_format) {
@@ -62,7 +62,7 @@ Answer read_any(const JsonValue& root, std::type_identity<std::variant<Kinds...>
   return answer;
 }
 
-/// All of it, whose text is valid as long as `file`.
+/// The whole file; the text is valid as long as `file`.
 std::string_view whole(InputFile& file) {
   const std::string_view text = file.peek_text(largest_certificate + 1);
   if (text.size() > largest_certificate)
@@ -128,7 +128,7 @@ void write_answer(const std::filesystem::path& path, const Answer& answer) {
   file.finish();
 }
 
-// What answers hold in other words.
+// Numbers of answers that follow from their other members.
 
 std::uint64_t points_of(const StatedTerms& stated) {
   return points_of(stated.area_runs);

@@ -21,17 +21,17 @@ namespace {
 
 constexpr std::size_t block_size = std::size_t{1} << 20;
 
-/// A file of known size needs no more than its size, and one byte by which a single read finds its end.
+/// For a file of known size its size is enough, and one byte by which a single read finds its end.
 std::size_t first_block(std::uint64_t size) {
   return size == 0 ? block_size : std::min<std::uint64_t>(block_size, size + 1);
 }
 
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
 
-/// The first bytes of what git leaves in the place of a large file that was not fetched.
+/// The first bytes of git's placeholder for a large file that was not fetched.
 constexpr std::string_view git_lfs_pointer = "version https://git-lfs.github.com/spec/";
 
-/// Whether all units of `bytes` bytes have their only byte that is not zero at `place`: ASCII characters, in UTF-16 and
+/// Returns whether in all units of `bytes` bytes only the byte at `place` is not zero: ASCII characters, in UTF-16 and
 /// UTF-32.
 bool is_ascii_in_units(std::string_view start, std::size_t bytes, std::size_t place) {
   for (std::size_t k = 0; k < start.size(); ++k) {
@@ -40,8 +40,8 @@ bool is_ascii_in_units(std::string_view start, std::size_t bytes, std::size_t pl
   return start.size() >= 2 * bytes;
 }
 
-/// Of the encodings of Unicode that are not UTF-8, the one that a file is in, by its byte order mark. Without a mark it
-/// is told by the zero bytes of ASCII characters, of which a text has some at its beginning. Empty where it is none.
+/// The encoding of Unicode of a file that is not in UTF-8, by its byte order mark. Without a mark it is found by the
+/// zero bytes of ASCII characters, of which a text has some at its beginning. Empty if it is none.
 std::string_view wide_encoding(std::string_view start) {
   using std::string_view_literals::operator""sv;
   if (start.starts_with("\xFF\xFE\0\0"sv)) return "UTF-32 (little-endian)";
@@ -116,7 +116,7 @@ void InputFile::begin_text() {
   if (start.starts_with(utf8_mark)) next_ += utf8_mark.size();
 }
 
-/// Moves what is unread to the front of the buffer and appends to it; false at the end of the file.
+/// Moves the unread bytes to the front of the buffer and appends to them; false at the end of the file.
 bool InputFile::read_more() {
   if (!file_) return false;
   std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(next_), buffer_.begin() + static_cast<std::ptrdiff_t>(end_),

@@ -20,7 +20,7 @@
 
 namespace verisq {
 
-// A file read once, front to back, in large blocks: by lines or by bytes, always able to say where it stands.
+// A file read once, front to back, in large blocks: by lines or by bytes, always with a known position.
 
 /// Throws Error(input) that begins with the file's name.
 [[noreturn]] void refuse_file(std::string_view name, std::string_view message);

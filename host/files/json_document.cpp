@@ -18,12 +18,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// An operator of a model's csg takes two levels. Whoever reads, copies or destroys such trees recurses: by up to 0.4
-/// KiB of stack an operator, 2 KiB under the address sanitizer (measured), where the usual stack has 8 MiB.
+/// An operator of a model's csg takes two levels. Code that reads, copies or destroys such trees recurses: by up to 0.4
+/// KiB of stack for each operator, 2 KiB under the address sanitizer (measured). The usual stack has 8 MiB.
 constexpr std::size_t deepest_level = 2048;
 
-/// About what nlohmann-json allocates, in bytes: values in their arrays, containers and keys in trees of their own.
-/// "{}," has 3 bytes and takes 80, rows of certificates take less than 10 times their text.
+/// About the memory that nlohmann-json allocates, in bytes: values in their arrays, containers and keys in trees of
+/// their own. "{}," has 3 bytes and takes 80; rows of certificates take less than 10 times their text.
 constexpr std::size_t of_a_value = 16;
 constexpr std::size_t of_an_array = 48;
 constexpr std::size_t of_an_object = 64;
@@ -46,7 +46,7 @@ std::string one_line(const Json& value) {
   return shortened(value.dump(-1, ' ', true), 60);
 }
 
-/// A value as it fits into a message: whole where it is short, without what is nested.
+/// A value in the form for a message: whole if it is short, without nested values.
 std::string shown(const Json& value) {
   if (value.is_object()) return value.empty() ? "{}" : "{...}";
   const bool nested = value.is_array() && std::any_of(value.begin(), value.end(),
@@ -106,7 +106,7 @@ std::string path_to(const Json& value, const Json& document) {
   return path;
 }
 
-/// Where the bracket stands that opens the first level too deep. Precondition: there is one, and JSON before it.
+/// The position of the bracket that opens the first level too deep. Precondition: there is one, and JSON before it.
 std::string position_of_too_deep_a_level(std::string_view text) {
   std::size_t line = 1;
   std::size_t line_start = 0;
@@ -147,8 +147,8 @@ std::string overflowing_number(const Json::exception& error) {
   return start < end ? shortened(text.substr(start + 1, end - start - 1), 60) : text;
 }
 
-/// Follows the parser's events to know where it is, and refuses what the document's tree would not show: keys that it
-/// would silently merge, and nesting that those who read it could not follow.
+/// Follows the parser's events to know its position, and refuses two things that the document's tree would not show.
+/// These are keys that it would silently merge, and nesting too deep for its readers.
 class StrictEvents final : public nlohmann::json_sax<Json> {
  public:
   StrictEvents(std::string_view text, std::string_view name) : text_(text), name_(name) {}
@@ -229,11 +229,11 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   std::string_view text_;
   std::string_view name_;
   std::vector<Level> levels_;
-  std::size_t memory_ = 0;  ///< that the tree would take
+  std::size_t memory_ = 0;  ///< memory that the tree would take
 };
 
-/// Of UTF-8, as JSON is: those that terminals obey, of which some begin with C2, and those that end a line or turn what
-/// follows round, U+061C, U+200E, U+200F, U+2028 to U+202E and U+2066 to U+2069.
+/// For UTF-8, the encoding of JSON. Control characters are those that terminals obey, some of which begin with C2, and
+/// those that end a line or reverse the following text: U+061C, U+200E, U+200F, U+2028 to U+202E and U+2066 to U+2069.
 bool has_control_characters(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0U; };
@@ -253,7 +253,7 @@ bool has_control_characters(std::string_view text) {
 // Two passes: a single one, by the parser's callback, looks at all elements of an array after each of them.
 Json parse_json(std::string_view text, std::string_view name) {
   if (text.empty()) refuse_file(name, "the file is empty");
-  // The parser takes one for the end of the text.
+  // The parser takes a zero byte for the end of the text.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
     refuse_file(name, fmt::format("byte {} is 0, which is no JSON", zero));
   if (const std::size_t start = text.find_first_not_of(" \t\r\n"); start != std::string_view::npos) {

@@ -120,7 +120,7 @@ void turn_about_z(LabelVolume& volume) {
 }
 
 void check_axes(const InputFile& file, const LabelVolume& volume) {
-  // No scanner makes such voxels, and surfaces of them overflow or have no end.
+  // Scanners make no such voxels, and their surfaces overflow or have no end.
   constexpr double finest = 1e-9;
   constexpr double farthest = 1e9;
   constexpr double most_elongated = 100.0;
@@ -177,7 +177,7 @@ void append_labels(const InputFile& file, std::span<const char> bytes, std::endi
       std::numeric_limits<Value>::is_integer ? static_cast<std::uint64_t>(std::numeric_limits<Value>::max()) : 65535));
   for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value)) {
     const auto value = number_from<Value>(bytes.data() + at, order);
-    // Not a number fails the first comparison.
+    // NaN fails the first comparison.
     if (!(value >= Value{0} && value <= largest) || static_cast<Value>(static_cast<std::uint16_t>(value)) != value) {
       file.fail_whole(
           fmt::format("voxel {} (from 0) is {}: labels are integers from 0 to 65535", labels.size(), +value));

@@ -26,7 +26,7 @@ namespace {
 
 using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const MapKind&);
 
-/// A format and what it has a place for.
+/// A format and the data for which it has a place.
 struct FormatTraits {
   std::string_view extension;
   Maker make;
@@ -42,7 +42,7 @@ constexpr std::array formats{FormatTraits{".csv", make_csv_map, true, true, true
                              FormatTraits{".ply", make_ply_map, false, false, false, false},
                              FormatTraits{".json", make_json_map, true, false, false, false}};
 
-/// The extensions of the formats that have `trait`, of which there are several: ".csv, .npy and .json".
+/// The extensions of the formats that have `trait`; there are several: ".csv, .npy and .json".
 std::string extensions_with(bool FormatTraits::*trait) {
   std::vector<std::string_view> names;
   for (const FormatTraits& format : formats) {
@@ -107,7 +107,7 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
   return format->make;
 }
 
-/// A stream tells at its beginning how many rows of an array will follow.
+/// Some formats state at their beginning the number of rows that follow.
 void refuse_unknown_length(const std::filesystem::path& path, const OutputFile& output, Maker make,
                            const MapForm& form) {
   if (make != make_npy_map || output.can_be_rewritten() || form.rows) return;

@@ -33,7 +33,7 @@ class Declarations {
   }
 
  private:
-  /// An array of the FieldData: it must say its length itself, or readers take it for empty (vtkXMLReader).
+  /// An array of the FieldData: it must state its length itself, or readers take it for empty (vtkXMLReader).
   void add_further_normals(std::uint64_t count) {
     const std::string length = fmt::format(" NumberOfTuples=\"{}\"", count);
     text_ += "    <FieldData>\n";
@@ -91,7 +91,8 @@ class Declarations {
     add("Int32", "primitive", 1, sizeof(std::int32_t) * rows);
   }
 
-  /// An array of `bytes`. Those of a piece have as many tuples as it has points or cells; others state their `length`.
+  /// An array of `bytes`. Arrays of a piece have as many tuples as the piece has points or cells; others state their
+  /// `length`.
   void add(std::string_view type, std::string_view name, int components, std::uint64_t bytes,
            std::string_view length = "") {
     text_ += fmt::format(

@@ -25,7 +25,7 @@
 
 namespace verisq {
 
-/// The whole file. `sources`: the pieces, from where it lies; `closest_points`: whether they have these.
+/// The whole file. `sources` are the pieces, relative to it; `closest_points`: whether they have closest points.
 [[nodiscard]] std::string pvtp_document(std::span<const std::string> sources, bool closest_points);
 
 namespace {
@@ -34,7 +34,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view part_format = "verisq-part/1";
 
-/// As of a model file.
+/// The same limit as for a model file.
 constexpr std::size_t largest_part_file = std::size_t{1} << 26;
 
 std::string_view word_of(MapElements elements) {
@@ -46,7 +46,7 @@ std::string_view word_of(MapElements elements) {
   return "poses";
 }
 
-/// Of no rows the smallest distance is infinite, of unbounded ones the width.
+/// The smallest distance of no rows is infinite, and so is the width of unbounded rows.
 OrderedJson json_of_number(double number) {
   if (std::isfinite(number)) return number;
   return number > 0.0 ? "inf" : "-inf";
@@ -279,7 +279,7 @@ std::string text_of(const SubjectFile& file) {
   return fmt::format("{} (SHA-256 {})", quotation(file.name), file.sha256);
 }
 
-/// By its bytes: a file may have been called otherwise.
+/// Compares the files by their bytes: a file may have had another name.
 void refuse_other_subject(const GivenPart& given, std::string_view what, const SubjectFile& subject,
                           const GivenPart& first, const SubjectFile& of_first) {
   if (subject.sha256 == of_first.sha256) return;
@@ -316,7 +316,7 @@ void refuse_other_work(const GivenPart& given, const GivenPart& first, const Mer
                     std::to_string(first.part.rows_in_all));
   refuse_difference(given, "the number of parts", std::to_string(given.part.parts), first,
                     std::to_string(first.part.parts));
-  // What has no rows has none of a device.
+  // A part without rows has none of a device.
   if (options.mixed_devices || given.part.rows.count == 0 || first.part.rows.count == 0) return;
   refuse_difference(given, "the device", given.part.summary.device, first, first.part.summary.device);
 }
@@ -338,7 +338,7 @@ void refuse_gaps_and_overlaps(const std::vector<GivenPart>& parts) {
   if (next <= count) throw Error(ErrorKind::input, fmt::format("part {} of {} is missing", next, count));
 }
 
-/// What stands before the first row, and how its rows follow: a class for each format.
+/// The header before the first row, and the form of the rows: a class for each format.
 class PartForm {
  public:
   PartForm() = default;
@@ -346,13 +346,14 @@ class PartForm {
   PartForm& operator=(const PartForm&) = delete;
   virtual ~PartForm() = default;
 
-  /// Takes it from the front of `file`; refuses what is no such part, or another than those before.
+  /// Takes the header from the front of `file`; refuses a file that is no such part, or has another header than the
+  /// parts before.
   virtual std::string take_header(InputFile& file, const MapPart& part) = 0;
-  /// That of the whole.
+  /// The header of the whole map.
   [[nodiscard]] virtual std::string header(std::uint64_t rows) const = 0;
-  /// Of the next bytes of the part.
+  /// Counts the rows in the next bytes of the part.
   virtual void count(std::string_view bytes) = 0;
-  /// Refuses another number of rows than the part says; forgets them.
+  /// Refuses a number of rows other than the part's; resets the count.
   virtual void check_rows(const InputFile& file, const MapPart& part) = 0;
 };
 

@@ -22,12 +22,12 @@
 namespace verisq {
 namespace {
 
-/// The digits that tell the unfinished files of runs apart, with the dot before them: see OutputFile.
+/// The digits that distinguish the unfinished files of runs, with the dot before them: see OutputFile.
 bool is_of_a_run(std::string_view extension) {
   return extension.size() == 9 && extension.find_first_not_of("0123456789abcdef", 1) == std::string_view::npos;
 }
 
-/// A map by its name: OUT, or what is left of it by an interrupted run, OUT.partial, or by a killed one,
+/// The name of a map: OUT, or the rest that an interrupted run left, OUT.partial, or a killed one,
 /// OUT.1a2b3c4d.partial.
 struct MapName {
   explicit MapName(std::filesystem::path name) {
@@ -109,7 +109,7 @@ constexpr std::size_t fields_of(std::string_view line) {
   return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
 }
 
-/// The last part is what follows the first N - 1 separators. Precondition: the text has that many.
+/// The last part is the text after the first N - 1 separators. Precondition: the text has that many.
 template <std::size_t N>
 std::array<std::string_view, N> split(std::string_view text, char separator) {
   std::array<std::string_view, N> parts;
@@ -140,7 +140,7 @@ class CsvRows final : public MapRows {
   }
 
  private:
-  /// Whether the line read last is one within which a run was killed.
+  /// Returns whether the run was killed within the line read last.
   [[nodiscard]] bool was_being_written() const { return extent_ == MapExtent::part && !file_.line_has_end(); }
 
   MapElements read_header() {
@@ -222,7 +222,7 @@ class CsvRows final : public MapRows {
     file_.fail(fmt::format("primitive = {}: not an index of a primitive", in_quotes(word)));
   }
 
-  /// Nothing when all words are empty.
+  /// Nothing if all words are empty.
   template <std::size_t N>
   [[nodiscard]] std::optional<std::array<double, N>> optional_numbers(
       const std::array<std::string_view, N>& words, const std::array<std::string_view, N>& names) const {

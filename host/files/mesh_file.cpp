@@ -136,7 +136,7 @@ Mesh parse_mesh(std::string_view bytes, const std::filesystem::path& name) {
 
 namespace {
 
-// No vertex has this index: MeshBuilder stops one short of it.
+// No vertex has this index: MeshBuilder stops one before it.
 constexpr std::uint32_t empty = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t first_slots = 1024;
 
@@ -204,7 +204,7 @@ std::uint32_t read_corner(const InputFile& file, std::string_view corner, const 
   return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
 }
 
-/// Points and lines, of which a surface has none; names, groups, looks; textures' and normals' vectors.
+/// Records that a surface does not need: points and lines; names, groups, looks; textures' and normals' vectors.
 constexpr std::array<std::string_view, 21> passed_over{
     "vt",     "vn",     "vp",    "p",   "l",     "g",     "s",        "mg",       "o",          "usemtl",   "mtllib",
     "usemap", "maplib", "bevel", "lod", "ctech", "stech", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
@@ -236,8 +236,9 @@ std::string_view without_comment(std::string_view line) {
   return line.substr(0, line.find('#'));
 }
 
-/// A record may go on in the next lines: a backslash at the end says so. One at the end of a comment or of a name (of a
-/// folder, say) must not take the next record with it, so that none may begin with the name of one.
+/// A record may continue in the next lines: a backslash at the end marks this. A backslash at the end of a comment or
+/// of a name (of a folder, say) must not take the next record with it. So no continuation may begin with the name of a
+/// record.
 class Records {
  public:
   explicit Records(InputFile& file) : file_(file) {}
@@ -328,15 +329,15 @@ void check_room(const InputFile& file, std::uint64_t rows, std::string_view shor
   }
 }
 
-/// "[ST][C][N]OFF" may stand before the counts, on their line or on its own, with or without a blank: normals, colours
-/// and texture coordinates follow the coordinates of a vertex then. Vertices of other dimensions ("4OFF", "nOFF", where
+/// "[ST][C][N]OFF" may stand before the counts, on their line or on its own, with or without a blank. Normals, colours
+/// and texture coordinates then follow the coordinates of a vertex. Vertices of other dimensions ("4OFF", "nOFF", where
 /// the case of n matters) and binary files are refused.
 Words after_keyword(InputFile& file) {
   const Words words = next_words(file, "'OFF' or the counts");
   constexpr std::string_view digits = "+-0123456789";
   const std::string_view first = Words(words).next();
   if (first.find_first_not_of(digits) == std::string_view::npos) return words;
-  // "OFF8 6 12" as ModelNet has it; what begins with a digit is no keyword with counts behind it.
+  // "OFF8 6 12" is the form of ModelNet; a word that begins with a digit is no keyword with counts behind it.
   const std::size_t letters = first.find_first_of(digits);
   const std::string_view keyword = letters == 0 ? first : first.substr(0, letters);
   const Words behind(words.rest().substr(keyword.size()));
@@ -488,7 +489,7 @@ Point read_vertex(InputFile& file) {
   return point;
 }
 
-/// After the line "facet ..."; its normal is not read: the corners and their order say it better.
+/// Reads the lines after "facet ..."; its normal is not read, because the corners and their order determine it better.
 void read_facet(InputFile& file, MeshBuilder& builder, VertexMerger& merger) {
   expect_end(file, expect(file, "outer loop"));
   std::array<std::uint32_t, 3> corners{};

@@ -51,8 +51,8 @@ class MeshBuilder {
   /// Fails for fewer than three corners.
   void check_corner_count(std::int64_t count) const;
 
-  /// Splits the polygon into triangles, as `triangles_of_polygon` says. Fails for fewer than three corners, for a
-  /// triangle of exactly zero area and for polygons that cannot be split. Precondition: checked indices.
+  /// Splits the polygon into triangles by `triangles_of_polygon`. Fails for fewer than three corners, for a triangle of
+  /// exactly zero area and for polygons that cannot be split. Precondition: checked indices.
   void add_polygon(std::span<const std::uint32_t> corners);
 
   /// The mesh. Fails when it has no vertices.

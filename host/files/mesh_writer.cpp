@@ -43,7 +43,7 @@ Writer writer_for(const std::filesystem::path& path) {
                                             path.string(), in_quotes(path.extension().string())));
 }
 
-/// What an STL file says: the numbers are still binary64, to be checked as those of other formats.
+/// The mesh that an STL file represents: the numbers are still binary64, to be checked like those of other formats.
 Mesh rounded_to_binary32(Mesh mesh) {
   for (Point& vertex : mesh.vertices) {
     for (double& coordinate : vertex) {
@@ -54,7 +54,7 @@ Mesh rounded_to_binary32(Mesh mesh) {
   return mesh;
 }
 
-/// Refuses what `read_mesh` would refuse. `rounding` says in the message what the numbers went through.
+/// Refuses a mesh that `read_mesh` would refuse. `rounding` states in the message how the numbers were rounded.
 void check(const std::filesystem::path& path, const Mesh& mesh, std::string_view rounding) {
   for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
     for (const double coordinate : mesh.vertices[k]) {
@@ -70,7 +70,7 @@ void check(const std::filesystem::path& path, const Mesh& mesh, std::string_view
   }
 }
 
-/// Refuses what rounding makes of distinct vertices one point: readers of STL would join the surface there.
+/// Refuses a mesh whose distinct vertices become one point by rounding: readers of STL would join the surface there.
 void check_distinct(const std::filesystem::path& path, const Mesh& mesh, const Mesh& rounded) {
   std::vector<std::size_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -84,7 +84,7 @@ void check_distinct(const std::filesystem::path& path, const Mesh& mesh, const M
               fmt::format("{}: vertices {} and {} are one point{}", path.string(), low, high, once_rounded));
 }
 
-/// Of unit length; zero where rounding leaves no direction. Readers take it from the corners anyway.
+/// The normal of unit length; zero if rounding leaves no direction. Readers compute it from the corners anyway.
 std::array<float, 3> normal(const Point& a, const Point& b, const Point& c) {
   const Point u{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   const Point v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};

@@ -97,7 +97,7 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-model/1";
 
-/// Whether a number may be an interval where the format allows it.
+/// Whether a number may be an interval if the format allows it.
 enum class Intervals { allowed, refused };
 
 bool is_interval(const nlohmann::json& value) {
@@ -239,7 +239,8 @@ class SetExpressions {
   std::map<std::string, std::uint32_t> indices_;
 };
 
-/// What the models that bracket an uncertain one are known for.
+/// Refuses intervals in a model whose bracketing models are not known: with tapers; with intervals of translations
+/// unless it is a union of convex primitives.
 void check_intervals(const UncertainModel& model, std::string_view name) {
   if (is_exact(model)) return;
   Model shape{model.units, {}, model.csg};
@@ -253,7 +254,7 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
   if (moves) verify::require_union_of_convex(shape, fmt::format("{}: intervals of translations", name));
 }
 
-/// All that a model file says.
+/// The whole contents of a model file.
 struct ModelDocument {
   UncertainModel model;
   std::vector<AreaBox> areas;

@@ -25,7 +25,7 @@ constexpr unsigned coordinate_bits = 21;  // positions have 20, upper corners on
 constexpr std::uint64_t coordinate_mask = (std::uint64_t{1} << coordinate_bits) - 1;
 constexpr std::size_t siblings = 8;
 
-// As VTK numbers the corners of a hexahedron.
+// The order in which VTK numbers the corners of a hexahedron.
 constexpr std::array<std::array<std::uint32_t, 3>, 8> hexahedron{
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
@@ -49,7 +49,7 @@ OctreeCube parent_of(const OctreeCube& cube) {
   return {{x / 2, y / 2, z / 2}, static_cast<std::uint8_t>(cube.level - 1), cube.colour};
 }
 
-/// Moves what stays of one level to `result`, and appends what it becomes together to `above`.
+/// Moves the unmerged cubes of one level to `result`, and appends the merged ones' parents to `above`.
 void merge_level(std::vector<OctreeCube>& level, std::vector<OctreeCube>& above, std::vector<OctreeCube>& result) {
   std::ranges::sort(level, {}, key_of_parent);
   for (std::size_t begin = 0; begin < level.size();) {
@@ -233,7 +233,7 @@ void OctreeLayout::write(const Sink& sink, const OctreeRoot& root) const {
   sink(closing_lines);
 }
 
-// As lower_corner: no operation rounds.
+// No operation rounds, as in lower_corner.
 void OctreeLayout::write_points(const Sink& sink, const OctreeRoot& root) const {
   const double size = std::ldexp(root.half_width, 1 - corners_.level());
   write_array<double, 3>(sink, corners_.size(), [&](std::size_t n, std::span<double, 3> out) {
@@ -284,7 +284,7 @@ class OctreeReader {
     throw Error(ErrorKind::input, fmt::format("{}: {}: not an octree of `verisq octree`", path_.string(), reason));
   }
 
-  /// At most the bytes of the file, so that no product overflows.
+  /// At most the number of the file's bytes, so that no product overflows.
   [[nodiscard]] std::uint64_t count(std::string_view before) const {
     const std::size_t at = bytes_.find(before);
     if (at == std::string::npos) fail(fmt::format("no {}...\"", before));

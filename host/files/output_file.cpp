@@ -17,7 +17,7 @@
 namespace verisq {
 namespace {
 
-/// For what is written in small parts: larger ones go past the buffer.
+/// The buffer for data written in small parts: larger parts bypass it.
 constexpr std::size_t buffer_size = std::size_t{1} << 16;
 
 /// A name that no other run uses; "x" in the mode of fopen makes sure of it.
@@ -27,8 +27,8 @@ std::filesystem::path temporary_for(const std::filesystem::path& target) {
   return name;
 }
 
-/// Gives a new file the permissions of the older one that it will replace, and its owner where that is allowed: only
-/// the superuser gives files away.
+/// Gives a new file the permissions of the older one that it will replace, and its owner if that is allowed: only the
+/// superuser can give files away.
 void take_over_permissions(const std::filesystem::path& older, int file) {
   struct stat status = {};
   if (stat(older.c_str(), &status) != 0) return;

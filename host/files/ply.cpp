@@ -30,14 +30,14 @@ enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64
 struct PlyProperty {
   std::string name;                   ///< any bytes but blanks
   std::string shown;                  ///< the name as messages show it
-  PlyType type;                       ///< of the value, or of a list's entries
-  std::optional<PlyType> count_type;  ///< of a list's length; nothing for a single value
+  PlyType type;                       ///< type of the value, or of a list's entries
+  std::optional<PlyType> count_type;  ///< type of a list's length; nothing for a single value
 };
 
 struct PlyElement {
   std::string name;
   std::uint64_t count;
-  std::vector<PlyProperty> properties;                        ///< at least one where count > 0
+  std::vector<PlyProperty> properties;                        ///< at least one if count > 0
   std::map<std::string, std::size_t, std::less<>> positions;  ///< in `properties`, by name
 
   /// Position in `properties`; nothing when there is none of that name.
@@ -49,7 +49,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;  ///< distinct names, in the order of the file
 };
 
-/// Reads up to and with the line `end_header`. Throws Error(input) with the line of what is wrong.
+/// Reads up to and with the line `end_header`. Throws Error(input) with the line of the error.
 [[nodiscard]] PlyHeader read_ply_header(InputFile& file);
 
 namespace {
@@ -96,7 +96,7 @@ PlyEncoding parse_encoding(const InputFile& file, Words words) {
   file.fail(fmt::format("format {}: known are ascii, binary_little_endian, binary_big_endian", in_quotes(encoding)));
 }
 
-/// `names` are those of the elements so far.
+/// `names` are the names of the elements so far.
 void add_element(const InputFile& file, Words words, PlyHeader& header, std::set<std::string>& names) {
   const std::string name(words.next());
   const std::int64_t count = integer(file, words.next(), "number of elements");
@@ -246,7 +246,7 @@ class BinaryRows {
   [[nodiscard]] static std::size_t smallest(PlyType type) { return bytes_of(type); }
 
  private:
-  /// Exact for double from every type and for std::int64_t from every integer type, the only ones asked for.
+  /// Exact for double from every type and for std::int64_t from every integer type; only these are requested.
   template <class Number>
   Number next(PlyType type, std::string_view name) {
     const char* bytes = file_.take(bytes_of(type), name).data();
@@ -296,10 +296,10 @@ void skip_element(const InputFile& file, Rows& rows, const PlyElement& element) 
   }
 }
 
-/// What a property of a vertex is to the reader.
+/// The role of a vertex's property for the reader.
 enum class Column { x, y, z, label, other };
 
-/// Which property of the vertices is wanted beside the coordinates, and its values.
+/// The property of the vertices that is wanted beside the coordinates, and its values.
 struct Labels {
   std::string property;
   std::vector<std::int64_t> values;

@@ -22,7 +22,7 @@
 
 namespace verisq {
 
-/// Members are those of `PointFile`.
+/// Has the members of `PointFile`.
 class PointSource {
  public:
   PointSource() = default;
@@ -31,9 +31,9 @@ class PointSource {
   virtual ~PointSource() = default;
 
   virtual std::size_t read(std::span<Point> points) = 0;
-  /// Whether `go_to` may be called.
+  /// Returns whether `go_to` may be called.
   [[nodiscard]] virtual bool can_go_to() const { return false; }
-  /// Goes on at this point, which is at most the count. Precondition: `can_go_to`.
+  /// Continues at this point, which is at most the count. Precondition: `can_go_to`.
   virtual void go_to(std::uint64_t /*point*/) {}
   [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
   [[nodiscard]] virtual std::uint64_t bytes_total() const = 0;
@@ -74,7 +74,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> coordinate_names{"x", "y", "z"};
 
-/// How a coordinate is stored.
+/// The form in which a coordinate is stored.
 struct CoordinateType {
   std::endian order;
   std::size_t bytes;
@@ -92,7 +92,7 @@ CoordinateType type_of(const InputFile& file, const NpyHeader& header) {
   file.fail(fmt::format("descr = {}: expected float64 or float32: '<f8', '>f8', '<f4', '>f4'", in_quotes(descr)));
 }
 
-/// How many points the array has, which the rest of the file must be, where it is known.
+/// The number of points of the array; the rest of the file must contain as many, if its size is known.
 std::uint64_t count_of(const InputFile& file, const NpyHeader& header, const CoordinateType& type) {
   const std::vector<std::uint64_t>& shape = header.shape;
   if (shape.size() != 2 || shape[1] != 3) {
@@ -116,13 +116,13 @@ std::uint64_t count_of(const InputFile& file, const NpyHeader& header, const Coo
   return shape[0];
 }
 
-/// The numbers of one column, or of all of them in C order, front to back.
+/// The numbers of one column, or of all columns in C order, front to back.
 class Numbers {
  public:
   Numbers(InputFile file, CoordinateType type) : file_(std::move(file)), type_(type) {}
 
-  /// Hands the next `count` numbers to `use(k, number)`; not those that are not finite, which are refused.
-  /// `first` is the index, of all coordinates in C order, of the first one; the next is `stride` further.
+  /// Passes the next `count` numbers to `use(k, number)`; numbers that are not finite are refused. `first` is the
+  /// index, of all coordinates in C order, of the first number; the next is `stride` further.
   template <class Use>
   void read(std::size_t count, std::uint64_t first, std::uint64_t stride, const Use& use) {
     const std::uint64_t start = file_.position();
@@ -343,7 +343,7 @@ std::optional<Pose> PoseFile::State::next_pose() {
   std::array<double, 7> numbers{};
   if (rows.read(numbers) == 0) return std::nullopt;
   const auto [tx, ty, tz, qw, qx, qy, qz] = numbers;
-  // Also where the text is another number that rounds to zero: the nearest binary64 is the exact input.
+  // Also if the text is another number that rounds to zero: the nearest binary64 is the exact input.
   if (qw == 0.0 && qx == 0.0 && qy == 0.0 && qz == 0.0) rows.fail("quaternion = 0,0,0,0: must not be zero");
   return Pose{.translation = {tx, ty, tz}, .quaternion = {qw, qx, qy, qz}};
 }

@@ -26,9 +26,9 @@ int sign_of(double x) {
   return (x > 0.0) - (x < 0.0);
 }
 
-/// Shewchuk's filter for orient2d (Discrete & Computational Geometry 18, 1997): where the rounded determinant exceeds
-/// (3 + 16u)u times the sum of its rounded products, u = 2^-53, its sign is right. Here 8u, and far more than
-/// underflow can hide. Overflow gives infinity > infinity or NaN, which is false: left to the exact test.
+/// Shewchuk's filter for orient2d (Discrete & Computational Geometry 18, 1997). If the rounded determinant exceeds (3 +
+/// 16u)u times the sum of its rounded products, u = 2^-53, its sign is right. Here 8u, and far more than underflow can
+/// cost. Overflow gives infinity > infinity or NaN, which is false: left to the exact test.
 std::optional<int> filtered_turn(double left, double right) {
   constexpr double relative = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr double underflow = 1e-300;
@@ -46,8 +46,8 @@ std::optional<double> exact_difference(double a, double b) {
   return std::nullopt;
 }
 
-/// The sign of a b - c d of numbers whose products are exact in two binary64 parts. Nothing where their parts may
-/// underflow, and where the sum of the small parts is not exact: both are rare.
+/// The sign of a b - c d for numbers whose products are exact in two binary64 parts. Nothing if their parts may
+/// underflow, or if the sum of the small parts is not exact: both are rare.
 std::optional<int> sign_of_products(double a, double b, double c, double d) {
   constexpr double large_enough = 1e-280;  // the last bit of such a product is above the least subnormal
   const double left = a * b;
@@ -69,7 +69,7 @@ Integer in_units(double x, int unit) {
   return mantissa == 0 ? Integer(0) : Integer(mantissa) << (exponent - 53 - unit);
 }
 
-/// The largest unit of which all are multiples, but for zeros of the mantissas.
+/// The largest unit of which all are multiples, except for zeros at the end of the mantissas.
 int common_unit(const std::array<double, 6>& numbers) {
   int least = std::numeric_limits<int>::max();
   for (const double x : numbers) {
@@ -136,9 +136,9 @@ class View {
   CoordinatePlane plane_;
 };
 
-/// Whether all corners turn one way, or go straight on, and the outline goes around once: by how often its edges change
-/// between those that lead forward, in the order of their ends, and those that lead back. False where two neighbours
-/// are one point, and where an edge leads back into the one before.
+/// Returns whether all corners turn one way, or go straight on, and the outline goes around once. This is decided by
+/// how often its edges change between leading forward, in the order of their ends, and leading back. False if two
+/// neighbours are one point, or if an edge leads back into the one before.
 bool is_convex(const View& view) {
   int sense = 0;
   int changes = 0;
@@ -154,7 +154,7 @@ bool is_convex(const View& view) {
   return sense != 0 && changes == 2;
 }
 
-/// Nothing where one of its triangles has no area. Precondition: a convex polygon.
+/// Nothing if one of its triangles has no area. Precondition: a convex polygon.
 std::optional<Triangles> fan(const View& view) {
   Triangles triangles;
   triangles.reserve(view.size() - 2);
@@ -171,7 +171,8 @@ bool is_between(const View& view, std::size_t a, std::size_t b, std::size_t c) {
   return low <= view.at(c) && view.at(c) <= high;
 }
 
-/// Whether the edges that begin at corners `a` and `b` have a common point, but for the corner that neighbours share.
+/// Returns whether the edges that begin at corners `a` and `b` have a common point, except for the corner that
+/// neighbours share.
 bool touch(const View& view, std::size_t a, std::size_t b) {
   const std::size_t a_end = view.next(a);
   const std::size_t b_end = view.next(b);
@@ -188,7 +189,7 @@ bool touch(const View& view, std::size_t a, std::size_t b) {
   return first * last < 0 && other_first * other_last < 0;
 }
 
-/// Where an outline crosses or touches itself, in words; empty where it does not. Edges are compared with those that
+/// Describes where an outline crosses or touches itself; empty if it does not. Edges are compared with those that
 /// begin, from one side to the other, before they end.
 std::string crossing(const View& view) {
   struct Edge {
@@ -218,12 +219,12 @@ std::string crossing(const View& view) {
   return {};
 }
 
-/// Cuts ears off: a corner where the outline turns inward, and whose triangle with its neighbours holds no other
-/// corner, on its border neither. Such a triangle lies in the polygon, for an edge within it would have an end there.
-/// What is left is a simple polygon again, of which the diagonal is an edge. There are always two ears (Meisters,
-/// American Mathematical Monthly 82 (1975), 648), of corners in a line, too: a corner that turns and the corner nearest
-/// to it within its triangle, or else its neighbours, are the ends of a diagonal that touches no corner and parts
-/// areas.
+/// Cuts ears off. An ear is a corner where the outline turns inward, and whose triangle with its neighbours contains no
+/// other corner, also not on its border. Such a triangle lies in the polygon, because an edge within it would have an
+/// end there. The rest is a simple polygon again, of which the diagonal is an edge. There are always two ears
+/// (Meisters, American Mathematical Monthly 82 (1975), 648), also for corners in a line. A corner that turns and the
+/// corner nearest to it within its triangle, or else its neighbours, are the ends of a diagonal that touches no corner
+/// and separates areas.
 class Ears {
  public:
   /// Precondition: the polygon is simple.
@@ -239,8 +240,8 @@ class Ears {
     sense_ = view.turn(view.before(outermost), outermost, view.next(outermost));
   }
 
-  /// Only the neighbours of an ear that was cut off can become ears: of others the triangle stays, and it did not lose
-  /// a corner that it held, since the corner cut off lies outside of what is left. So 3 n questions are enough.
+  /// Only the neighbours of a removed ear can become ears. For others the triangle stays, and it did not lose a corner
+  /// that it contained, since the removed corner lies outside of the rest. So 3 n tests are enough.
   [[nodiscard]] Triangles cut() {
     Triangles triangles;
     std::deque<std::size_t> asked(view_.size());
@@ -287,8 +288,8 @@ class Ears {
   int sense_ = 0;
 };
 
-/// About: numbers that choose an axis, and that are compared with a tolerance. In units of 2^`exponent`, in which
-/// corners are at most 1 from the first one: no square overflows, and what underflows is nothing beside them.
+/// Approximate numbers, which choose an axis and are compared with a tolerance. In units of 2^`exponent`, in which
+/// corners are at most 1 from the first one: no square overflows, and underflow is negligible beside them.
 class Shape {
  public:
   explicit Shape(std::span<const Point> corners) : corners_(corners) {
@@ -316,8 +317,8 @@ class Shape {
     area_ = 0.5 * std::hypot(normal_[0], normal_[1], normal_[2]);
   }
 
-  /// What is seen of it along the axis that Newell's normal is nearest to; where outlines cancel and there is none,
-  /// along the one of the least extent.
+  /// The projection along the axis to which Newell's normal is nearest; if outlines cancel and there is none, along the
+  /// axis of the least extent.
   [[nodiscard]] CoordinatePlane plane() const {
     const auto size_along = [&](std::size_t axis) { return area_ > 0.0 ? std::abs(normal_[axis]) : -extent_[axis]; };
     constexpr std::array<std::size_t, 3> axes{2, 1, 0};
@@ -326,7 +327,7 @@ class Shape {
   }
   [[nodiscard]] double in_its_units(double length) const { return std::ldexp(length, exponent_); }
 
-  /// Across the plane that the normal says.
+  /// The thickness across the plane of the normal.
   [[nodiscard]] double thickness() const {
     double low = infinity;
     double high = -infinity;
@@ -339,14 +340,15 @@ class Shape {
     return (high - low) / (2.0 * area_);
   }
 
-  /// Of a convex polygon: what is bent by more than its size has no side that faces anywhere.
+  /// For a convex polygon: a polygon that is bent by more than its size has no side that faces anywhere.
   [[nodiscard]] double most_bend() const { return std::sqrt(area_); }
 
-  /// How thick a plane polygon may look. Six digits move a coordinate by at most e = 5e-6 of the largest one, and
-  /// binary32 by less: a corner by sqrt(3) e, to both sides of the plane, and the vector of the area by that times the
-  /// outline U, for it is half the sum of cross products of corners and the ways between their neighbours. So Newell's
-  /// normal turns by an angle of at most sqrt(3) e U / A, which no two corners, at most U / 2 apart, see as more than
-  /// that times U / 2. A hundredth of the polygon's size is always more than that: else it would hardly have a shape.
+  /// The apparent thickness that a plane polygon may have. Six digits move a coordinate by at most e = 5e-6 of the
+  /// largest one, and binary32 by less. So a corner moves by sqrt(3) e, to both sides of the plane. The vector of the
+  /// area moves by that times the outline U, because it is half the sum of cross products of corners and the ways
+  /// between their neighbours. So Newell's normal turns by an angle of at most sqrt(3) e U / A; no two corners, at most
+  /// U / 2 apart, see this as more than that times U / 2. A hundredth of the polygon's size is always more than that:
+  /// else it would hardly have a shape.
   [[nodiscard]] double most_thickness() const {
     constexpr double digits = 5e-6;
     constexpr double share = 0.01;

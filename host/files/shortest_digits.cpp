@@ -1,4 +1,4 @@
-/// Digits by Dragonbox as {fmt} has it, with its table of powers whole: host/CMakeLists.txt asks for that.
+/// Digits by the Dragonbox of {fmt}, with its whole table of powers: host/CMakeLists.txt requests that.
 #include <fmt/compile.h>
 #include <fmt/format.h>
 

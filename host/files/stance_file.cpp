@@ -1,4 +1,4 @@
-/// The stance model format: what docs/stance.md describes, and the message for everything else.
+/// The stance model format: reads the format of docs/stance.md, and refuses everything else with a message.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace verisq::stance {
 class Quantities {
  public:
   /// One of  value="V";  lower="L" upper="U" with an optional nominal="N", else the midpoint;  nominal="N"
-  /// deviation="D";  each with an optional parameter="NAME", which unit="..." and description="..." may explain, and
-  /// which a deviation must have. Or parameter="NAME" alone. Fails where `allowed` refuses an end of the range, with
+  /// deviation="D". Each has an optional parameter="NAME", which unit="..." and description="..." may explain, and
+  /// which a deviation must have. Or parameter="NAME" alone. Fails if `allowed` refuses an end of the range, with
   /// `what` it must be.
   [[nodiscard]] Quantity read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what);
-  /// For any finite number.
+  /// The same for any finite number.
   [[nodiscard]] Quantity read(const XmlElement& element);
 
   /// Components x, y, z: each an attribute, which is exact, or a child that is a quantity.
@@ -172,7 +172,7 @@ Quantity Quantities::define(const XmlElement& element, Quantity quantity) {
     for (const char* word : {"unit", "description"}) {
       if (element.has(word)) element.fail(word, "explains a parameter: give its name, too");
     }
-    // No analysis would look at the range.
+    // No analysis would use the range.
     if (quantity.range.lo != quantity.range.hi) element.fail("a range needs the name of a parameter");
     return quantity;
   }
@@ -273,7 +273,7 @@ class ModelReader {
     model_.bodies.push_back(std::move(body));
   }
 
-  /// Nothing for the root, which is the first body and the only one without.
+  /// Nothing for the root, which is the first body and the only one without a parent.
   [[nodiscard]] std::optional<std::uint32_t> read_parent(const XmlElement& element) const {
     if (model_.bodies.empty()) {
       if (element.has("parent")) element.fail("parent", "the first body is the root and has none");
@@ -358,14 +358,14 @@ class ModelReader {
         quantities_.read(element.child("dynamic_friction"), is_not_negative, must_not_be_negative);
   }
 
-  /// Both or none.
+  /// Both or none of the numbers.
   static void read_bristles(const XmlElement& element, ContactCylinder& cylinder) {
     if (!element.has("bristle_stiffness") && !element.has("bristle_damping")) return;
     cylinder.bristle_stiffness = positive(element, "bristle_stiffness");
     cylinder.bristle_damping = positive(element, "bristle_damping");
   }
 
-  /// Not scaled to length 1, so that the numbers of the file are the model's.
+  /// Not scaled to length 1, so that the model has the numbers of the file.
   [[nodiscard]] static std::array<double, 3> read_axis(const XmlElement& element) {
     constexpr double tolerance = 1e-9;
     element.check_attributes({"x", "y", "z"});

@@ -26,7 +26,7 @@ constexpr std::size_t fewest_rows = 4096;
 /// Room for the longest field of a column, "-2.2250738585072014e-308" for instance, and the comma or line end after it.
 constexpr std::size_t longest_field = 32;
 
-// As a format of a number "{}" is the shortest text that gives back the same binary64.
+// As a format of a number, "{}" gives the shortest text that reads back as the same binary64.
 
 /// A field for each number, each after a comma; empty ones where there are none.
 template <std::size_t N>
@@ -150,7 +150,7 @@ std::unique_ptr<MapFormat> make_csv_map(OutputFile& output, const MapKind& kind)
 
 namespace {
 
-/// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would say "no answer".
+/// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would mean "no answer".
 void append_end(fmt::memory_buffer& text, double value) {
   if (std::isfinite(value)) {
     fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
@@ -201,7 +201,7 @@ namespace {
 /// Rows that are worth a thread.
 constexpr std::size_t fewest_array_rows = 8192;
 
-/// As NumPy names it; indices and numbers have eight bytes.
+/// NumPy's name of the type; indices and numbers have eight bytes.
 std::string_view type_of(MapColumn column) {
   if (column == MapColumn::status || column == MapColumn::unique) return "|u1";
   if (column == MapColumn::primitive) return "<i4";
@@ -241,7 +241,7 @@ class NpyMap final : public MapFormat {
     if (kind_.columns.empty()) kind_.columns = usual_columns(kind);
     for (const MapColumn column : kind_.columns) row_bytes_ += bytes_of(column);
     descr_ = descr_of(kind_.columns);
-    // What is written on the way can be corrected later, or is right from the beginning.
+    // The header can be corrected later, or is right from the beginning.
     output_.write(npy_header(descr_, output_.can_be_rewritten() ? 0 : kind_.rows.value_or(0)));
   }
 

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t nifti_header_size = 348;
 constexpr std::size_t nifti_2_header_size = 540;
 
-/// The bytes of the header, in the byte order that its first number tells.
+/// The bytes of the header, in the byte order that its first number determines.
 class NiftiHeader {
  public:
   NiftiHeader(const InputFile& file, ByteStream& stream) : file_(file) {
@@ -77,7 +77,7 @@ VoxelType nifti_voxel_type(const InputFile& file, const NiftiHeader& header) {
   }
 }
 
-/// dim[0] says how many of dim[1..7] count; those beyond three must be 1.
+/// dim[0] is the number of dim[1..7] that count; those beyond three must be 1.
 std::array<std::int64_t, 3> nifti_counts(const InputFile& file, const NiftiHeader& header) {
   const auto dim = [&header](std::size_t k) { return header.number<std::int16_t>(40 + 2 * k); };
   const std::int16_t dimensions = dim(0);
@@ -89,8 +89,8 @@ std::array<std::int64_t, 3> nifti_counts(const InputFile& file, const NiftiHeade
   return counts;
 }
 
-/// Stored values are labels themselves, not scaled ones. A slope of 0 says that there is none, and one that is no
-/// number likewise: NIfTI's own library takes it for 0, and others write it.
+/// Stored values are labels themselves, not scaled ones. A slope of 0 means that there is none. So does NaN: NIfTI's
+/// own library takes it for 0, and others write it.
 void check_scale(const InputFile& file, const NiftiHeader& header) {
   const auto slope = static_cast<double>(header.number<float>(112));
   if (slope == 0.0 || std::isnan(slope)) return;
@@ -333,7 +333,7 @@ void read_spacings(const InputFile& file, std::string_view text, NrrdHeader& hea
   expect_end(file, words);
 }
 
-/// "mm" "mm" "mm": what a unit of length is in mm, the same along all axes.
+/// "mm" "mm" "mm": the unit of length in mm, the same along all axes.
 double read_units(const InputFile& file, std::string_view text) {
   constexpr std::array<std::pair<std::string_view, double>, 4> known{
       {{"\"mm\"", 1.0}, {"\"cm\"", 10.0}, {"\"m\"", 1000.0}, {"\"um\"", 1e-3}}};
@@ -429,7 +429,7 @@ Value required(const InputFile& file, const std::optional<Value>& value, std::st
   return *value;
 }
 
-/// In mm.
+/// The point in mm.
 Point in_lps(const Point& x, const NrrdHeader& header) {
   const double unit = header.millimetres;
   return {header.signs[0] * unit * x[0], header.signs[1] * unit * x[1], header.signs[2] * unit * x[2]};

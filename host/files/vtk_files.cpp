@@ -28,7 +28,7 @@ Point upper_corner(const EnclosedPoint& box) {
   return {box[0].hi, box[1].hi, box[2].hi};
 }
 
-/// To be drawn as a glyph; zero where nothing is known.
+/// A point to be drawn as a glyph; zero if nothing is known.
 Point middle(const EnclosedPoint& box) {
   return {finite_middle(box[0].lo, box[0].hi), finite_middle(box[1].lo, box[1].hi),
           finite_middle(box[2].lo, box[2].hi)};
@@ -234,7 +234,7 @@ class StreamedVtpMap final : public MapFormat {
     return declarations.size();
   }
 
-  /// How many of `all` are to be written with the rows so far, so that no row has to wait for many of them.
+  /// The number of items, of `all`, to be written with the rows so far, so that no row has to wait for many of them.
   [[nodiscard]] std::uint64_t share_of(std::uint64_t all) const {
     const std::uint64_t a_row = all / std::max<std::uint64_t>(1, layout_.rows()) + 1;
     return std::min(all, rows_ * a_row);

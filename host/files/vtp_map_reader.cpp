@@ -35,8 +35,9 @@ struct DeclaredArray {
   std::uint64_t offset;  ///< from the first byte of the appended part
 };
 
-/// What the writer writes ("VTK File Formats", XML): PolyData of one piece with appended raw arrays, little-endian,
-/// version 1.0 with UInt64 headers. All members throw Error(input) naming the byte of the element and the value.
+/// The form that the writer writes ("VTK File Formats", XML): PolyData of one piece with appended raw arrays,
+/// little-endian, version 1.0 with UInt64 headers. All members throw Error(input) naming the byte of the element and
+/// the value.
 class VtpDocument {
  public:
   /// Reads `file`, which must outlive this, as far as the '_' before the appended part.
@@ -51,7 +52,7 @@ class VtpDocument {
                                             int components) const;
   [[nodiscard]] DeclaredArray field_array(std::string_view name, std::string_view type, int components) const;
 
-  // Of the geometry: the coordinates of the points; the cells, as many as `layout` says.
+  // The geometry: the coordinates of the points; the cells, as many as `layout` states.
   [[nodiscard]] DeclaredArray points(const VtpLayout& layout) const;
   /// A tuple for each cell, of its corners.
   [[nodiscard]] DeclaredArray connectivity(const VtpLayout& layout) const;
@@ -59,7 +60,7 @@ class VtpDocument {
 
   [[nodiscard]] VtpLayout layout(MapElements elements, std::uint64_t further_normals) const;
 
-  /// Refuses an XML part that is not what the writer writes, to the letter: what nobody checks a viewer may show.
+  /// Refuses an XML part that differs from the writer's by a letter: a viewer may show an unchecked part.
   void expect_only(const VtpLayout& layout) const;
 
  private:
@@ -81,17 +82,17 @@ class VtpDocument {
   pugi::xml_document xml_;
 };
 
-// What a map draws, read back, and what it should draw.
+// The drawing in a map, read back, and the expected one.
 
 /// The geometry of a map and the colours of its rows, as a viewer takes them.
 struct MapPicture {
   std::vector<Point> points;
   std::vector<std::array<std::int64_t, 3>> triangles;
-  std::vector<std::int64_t> vertex_cells;  ///< where there are no triangles: the point of each
+  std::vector<std::int64_t> vertex_cells;  ///< if there are no triangles: the point of each
   std::vector<std::int64_t> offsets;       ///< behind the last corner of each cell
   std::vector<double> middles;             ///< `dist_mid`
 
-  /// The first number, bit for bit, that is not as the writer writes it for `mesh`, of a map of `elements` with the
+  /// The first number that differs, by a bit, from the writer's number for `mesh`, of a map of `elements` with the
   /// enclosures [lo, hi]. Precondition: as many `lo`, `hi` and `middles`.
   [[nodiscard]] std::optional<MapDifference> difference_from(const Mesh& mesh, MapElements elements,
                                                              std::span<const double> lo,
@@ -121,7 +122,7 @@ std::string take_xml(InputFile& file) {
 
 VtpDocument::VtpDocument(InputFile& file) : file_(file), text_(take_xml(file)) {
   const std::string_view xml = std::string_view(text_).substr(0, text_.size() - 1);
-  // Closed as if nothing were appended. Where '_' was another one (in a comment, say), this does not parse.
+  // Closed as if nothing were appended. If '_' was another one (in a comment, say), this does not parse.
   const std::string closed = std::string(xml) + "</AppendedData></VTKFile>";
   const auto result = xml_.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
@@ -198,7 +199,7 @@ void VtpDocument::expect_only(const VtpLayout& layout) const {
   const std::string expected = vtp_declarations(layout);
   const auto [found, other] = std::ranges::mismatch(text_, expected);
   if (found == text_.end() && other == expected.end()) return;
-  // From the last blank before: a whole element or attribute.
+  // From the last blank before it: a whole element or attribute.
   const auto byte = static_cast<std::size_t>(found - text_.begin());
   const std::size_t start = byte == 0 ? 0 : text_.find_last_of(" \n", byte - 1) + 1;
   const auto shown = [start](std::string_view text) {
@@ -220,7 +221,7 @@ pugi::xml_node VtpDocument::piece() const {
   return only_child(poly_data(), "Piece");
 }
 
-// A second one is refused: another reader might take that one, and show what was not checked.
+// A second one is refused: another reader might use that one, and show unchecked data.
 pugi::xml_node VtpDocument::only_child(pugi::xml_node parent, const char* name) const {
   const pugi::xml_node child = parent.child(name);
   if (!child) fail(parent, fmt::format("no element {}", name));
@@ -284,7 +285,7 @@ std::optional<MapDifference> difference_of_counts(std::string_view name, std::si
   return MapDifference{std::string(name), std::nullopt, fmt::format("{}", shown), fmt::format("{}", expected)};
 }
 
-/// `expected(k)` is what the k-th should be. Bits, not values: 0 is not -0.
+/// `expected(k)` is the expected k-th item. Compares bits, not values: 0 is not -0.
 template <class Item, class Expected>
 std::optional<MapDifference> first_difference(std::string_view name, std::span<const Item> shown,
                                               const Expected& expected) {
@@ -370,7 +371,7 @@ class AppendedArrays {
     return items;
   }
 
-  /// Nothing may follow the arrays but what closes the file.
+  /// Nothing may follow the arrays but the end of the file's XML.
   void expect_end() {
     const std::string_view rest = file_.peek(vtp_end.size() + 1);
     if (rest != vtp_end) file_.fail_whole(fmt::format("byte {}: not the end of a map", file_.position()));
@@ -395,7 +396,7 @@ class AppendedArrays {
     }
   }
 
-  /// The number of bytes before the array must be what its declaration says, and the file must hold them.
+  /// The number of bytes before the array must equal its declared number, and the file must contain them.
   void check_size(const DeclaredArray& array, std::size_t item_size) {
     const auto bytes = item_from<std::uint64_t>(file_.take(sizeof(std::uint64_t), array.name).data());
     if (bytes % item_size != 0 || bytes / item_size != array.tuples) {
@@ -505,7 +506,7 @@ class VtpRows final : public MapRows {
     picture_.offsets = arrays.read<std::int64_t>(document.offsets(layout));
   }
 
-  /// What `CertificateColumns::read` relies on: the ends ascend from 0 to the length of both further columns.
+  /// The precondition of `CertificateColumns::read`: the ends ascend from 0 to the length of both further columns.
   void check_further_normals(const InputFile& file) const {
     const std::vector<std::int32_t>& primitives = certificates_.further_primitive;
     const std::vector<Point>& normals = certificates_.further_normal;
@@ -528,7 +529,7 @@ class VtpRows final : public MapRows {
     }
   }
 
-  /// Likewise; and each cover is a whole one.
+  /// The same for covers; and each cover is a whole one.
   void check_covers(const InputFile& file) const {
     if (!std::ranges::all_of(certificates_.cover, [](std::uint8_t bit) { return bit <= 1; })) {
       file.fail_whole("cover: neither 0 nor 1");
@@ -574,7 +575,7 @@ class VtpRows final : public MapRows {
     }
   }
 
-  /// What a row of the map is about.
+  /// The kind of element of a row of the map.
   [[nodiscard]] std::string_view element() const {
     return certificates_.elements == MapElements::vertices ? "point" : "triangle";
   }

@@ -25,8 +25,8 @@ std::string_view without_plus(std::string_view word) {
   return plus ? word.substr(1) : word;
 }
 
-/// from_chars leaves the value alone both for 1e999 and for 1e-999. The nearest binary64 of the latter is zero; the
-/// wider range of long double tells them apart. Nothing when even that does not suffice.
+/// from_chars does not change the value for 1e999 or for 1e-999. The nearest binary64 of the latter is zero; the wider
+/// range of long double distinguishes them. Nothing if even that does not suffice.
 std::optional<double> underflowed(std::string_view word) {
   long double wide = 1.0L;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), wide);

@@ -60,19 +60,19 @@ void expect_end(const InputFile& file, const Words& words);
 
 // Decimal numbers of few digits, as most files have them.
 
-/// Those that binary64 holds exactly and that a short number asks for.
+/// The powers of ten that binary64 represents exactly and that a short number needs.
 inline constexpr std::array<double, 20> powers_of_ten{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
                                                       1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
 
-/// Appends the digits that the text begins with to `number`; returns the end of them.
+/// Appends the digits at the beginning of the text to `number`; returns the end of them.
 [[nodiscard]] inline const char* append_digits(const char* at, const char* end, std::uint64_t& number) {
   for (; at != end && '0' <= *at && *at <= '9'; ++at) number = 10 * number + static_cast<std::uint64_t>(*at - '0');
   return at;
 }
 
-/// Reads the number, "-12.345" for instance, that the text begins with, as std::from_chars does: returns its end. Null
-/// where it has many digits or an exponent, or is none: then nothing is said of it. Correctly rounded, for it is a
-/// quotient of two numbers that binary64 holds.
+/// Reads the number, such as "-12.345", at the beginning of the text, like std::from_chars: returns its end. Null if it
+/// has many digits or an exponent, or is no number: then nothing is decided. Correctly rounded, because it is a
+/// quotient of two numbers that binary64 represents exactly.
 [[nodiscard]] inline const char* read_short_decimal(const char* at, const char* end, double& number) {
   constexpr std::ptrdiff_t most_digits = 19;                        // which 64 bits hold
   constexpr std::uint64_t largest_exact = std::uint64_t{1} << 53U;  // and all integers below
@@ -96,23 +96,24 @@ inline constexpr std::array<double, 20> powers_of_ten{1e0,  1e1,  1e2,  1e3,  1e
   return after;
 }
 
-// Where on the lines of a text file the numbers stand, which its first line says, and how they are read from there.
+// The places of the numbers on the lines of a text file, which its first line determines, and the reading of numbers
+// from there.
 
-/// What the lines of a file hold, in the words of its messages.
+/// The contents of a file's lines, in the words of its messages.
 struct RowKind {
-  std::string_view item;    ///< what a line describes: "point"
+  std::string_view item;    ///< the item of a line: "point"
   std::string_view count;   ///< of the numbers on a line: "three"
   std::string_view header;  ///< the numbers' names, lower case: "x,y,z"
   /// Lines may be separated by blanks instead of commas, and have other fields beside the numbers.
   bool free = false;
 };
 
-/// Of a file that is not `free`: fields are separated by commas, numbers are all there is. Of one that is: by commas if
-/// the first line has one, else by blanks; the numbers are those that a header names, else the first fields; other
-/// fields are passed over, of which each line has as many as the first.
+/// In a file that is not `free`, fields are separated by commas, and there are only numbers. In a `free` one, fields
+/// are separated by commas if the first line has one, else by blanks. The numbers are those that a header names, else
+/// the first fields. Other fields are skipped; each line has as many of them as the first.
 class RowForm {
  public:
-  /// What `kind` views must outlive this.
+  /// The texts that `kind` views must outlive this.
   explicit RowForm(const RowKind& kind);
 
   /// Learns from the first line; returns whether it is a header. Throws Error(input) for a header with a name twice.
@@ -121,17 +122,17 @@ class RowForm {
   [[nodiscard]] const RowKind& kind() const { return kind_; }
   [[nodiscard]] std::size_t numbers() const { return names_.size(); }
 
-  /// Reads the line that `text` begins with, if it is in the plainest form, and returns the text after it: the end of
-  /// the line is consumed, too. Null for any other line, be it sound or not: `read` knows. Precondition: as
-  /// many numbers as a row has.
+  /// Reads the line at the beginning of `text`, if it is in the plainest form, and returns the text after it: the end
+  /// of the line is consumed, too. Null for any other line, valid or not: `read` decides. Precondition: as many numbers
+  /// as a row has.
   [[nodiscard]] const char* read_plain(std::string_view text, std::span<double> numbers) const;
 
-  /// Reads a line, without its end. Throws Error(input) at the position of `file` for what is not as it should be.
-  /// Precondition: as many numbers as a row has.
+  /// Reads a line, without its end. Throws Error(input) at the position of `file` for an invalid line. Precondition: as
+  /// many numbers as a row has.
   void read(const InputFile& file, std::string_view line, std::span<double> numbers) const;
 
  private:
-  /// What a field of a line is: the index of a number, or `passed_over`.
+  /// The role of a line's field: the index of a number, or `passed_over`.
   static constexpr std::size_t passed_over = static_cast<std::size_t>(-1);
 
   [[nodiscard]] std::string_view without_comment_mark(std::string_view line) const;
@@ -152,12 +153,12 @@ class RowForm {
 /// A header line is optional; blank lines are fine at the end of the file only.
 class NumberRows {
  public:
-  /// What `kind` views must outlive this.
+  /// The texts that `kind` views must outlive this.
   NumberRows(InputFile file, const RowKind& kind) : file_(std::move(file)), form_(kind) {}
 
-  /// Fills `numbers` row by row from the front; returns how many of them, fewer than asked only at the end of the file.
-  /// Throws Error(input) naming file, line and value for anything but rows of `kind`, and for a file without rows.
-  /// Precondition: a multiple of the numbers in a row.
+  /// Fills `numbers` row by row from the front; returns the number of them, less than requested only at the end of the
+  /// file. Throws Error(input) naming file, line and value for anything but rows of `kind`, and for a file without
+  /// rows. Precondition: a multiple of the numbers in a row.
   std::size_t read(std::span<double> numbers);
 
   /// Throws Error(input) naming file and the line of the row read last.
@@ -169,7 +170,7 @@ class NumberRows {
   [[nodiscard]] std::uint64_t bytes_total() const { return file_.size(); }
 
  private:
-  /// What one processor reads of a block, and how far it came: to the first line that needs a message.
+  /// The part of a block that one processor reads, and its progress: up to the first line that needs a message.
   struct Piece {
     std::string_view lines;
     std::vector<double> numbers;  ///< room, kept from block to block,

@@ -1,4 +1,5 @@
-/// XML by pugixml, and what pugixml lets pass: control characters, text between elements, attributes that appear twice.
+/// XML by pugixml, with checks of errors that pugixml accepts: control characters, text between elements, attributes
+/// that appear twice.
 #include "host/files/xml_element.hpp"
 
 #include <fmt/format.h>
@@ -124,7 +125,7 @@ XmlFile::XmlFile(std::string_view text, std::string_view name) : text_(text), na
     refuse(name, line_of(text, found - text.begin()),
            fmt::format("not XML: control character {}", printable({found, found + 1})));
   }
-  // As a fragment, so that text outside the root is seen and refused, not skipped.
+  // As a fragment, so that text outside the root is found and refused, not skipped.
   const auto result =
       document_.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_fragment, pugi::encoding_utf8);
   if (!result) refuse(name, line_of(text, result.offset), fmt::format("not XML: {}", result.description()));

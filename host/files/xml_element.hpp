@@ -1,4 +1,4 @@
-/// Strict reading of XML: every element knows its line, every attribute and child is asked for, every number is finite.
+/// Strict reading of XML: every element knows its line, every attribute and child must be read, every number is finite.
 #pragma once
 
 #include <cstddef>
@@ -28,18 +28,18 @@ class XmlElement {
   [[nodiscard]] bool has(const char* attribute) const { return !node_.attribute(attribute).empty(); }
   /// The value of an attribute; fails when it is missing or empty.
   [[nodiscard]] std::string text(const char* attribute) const;
-  /// Likewise, and fails unless it is shown as it stands: see `is_plain`.
+  /// The text of an attribute; fails unless it is displayed unchanged: see `is_plain`.
   [[nodiscard]] std::string name(const char* attribute) const;
   /// The binary64 number nearest to an attribute's decimal digits; fails when it is missing or not finite.
   [[nodiscard]] double number(const char* attribute) const;
 
   /// The child of that name; fails when it is missing or when there are two.
   [[nodiscard]] XmlElement child(const char* tag) const;
-  /// Nothing when it is missing.
+  /// Nothing if it is missing.
   [[nodiscard]] std::optional<XmlElement> find(const char* tag) const;
   /// All children, in their order.
   [[nodiscard]] std::vector<XmlElement> children() const;
-  /// Those of that name.
+  /// The children with that tag.
   [[nodiscard]] std::vector<XmlElement> children(std::string_view tag) const;
 
   [[noreturn]] void fail(std::string_view what) const;
@@ -55,7 +55,7 @@ class XmlElement {
 /// A parsed file. `text` and `name` must outlive it.
 class XmlFile {
  public:
-  /// Throws Error(input), one line that starts with `name`, for what is no XML and for more than one root.
+  /// Throws Error(input), one line that starts with `name`, for a text that is no XML and for more than one root.
   XmlFile(std::string_view text, std::string_view name);
 
   [[nodiscard]] XmlElement root() const { return {document_.first_child(), text_, name_}; }

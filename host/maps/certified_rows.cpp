@@ -12,8 +12,8 @@
 namespace verisq {
 namespace {
 
-/// What comes before a time limit begins must not take long, and each cube of a large model looks at many leaves: of
-/// `most` cubes or searches so many as take no longer than all of them in a model of 64 leaves; at least one.
+/// Work before a time limit begins must not take long, and each cube of a large model evaluates many leaves. Of `most`
+/// cubes or searches, returns so many that they take no longer than all of them in a model of 64 leaves; at least one.
 std::size_t affordable(std::size_t most, const Model& model) {
   constexpr std::size_t size = 64;
   return std::max<std::size_t>(1, most * size / std::max(verify::size_of_tree(model), size));
@@ -28,7 +28,7 @@ Enclosure rough_distance(const Model& model, const SignedDistance& distance, con
   return distance(point, tolerance, [&] { return ++polled > cubes || interrupted(); });
 }
 
-// A search tells nothing by a lower end beyond all numbers.
+// A lower end beyond all numbers proves that the model is empty.
 bool is_proven_empty(const Model& model, const SignedDistance& distance, const std::function<bool()>& interrupted) {
   if (is_union_of_convex(model)) return false;
   const Point& centre = model.primitives.front().pose.translation;

@@ -58,7 +58,7 @@ Progression progression(const Column<Value>& column, std::size_t size) {
 bool apart(const Progression& a, const Progression& b) {
   if (a.end <= b.first || b.end <= a.first) return true;
   if (a.stride != b.stride || a.stride == 0) return false;
-  // Where b's values begin in a's periods.
+  // The place where b's values begin in a's periods.
   const std::uintptr_t beyond =
       b.first >= a.first ? (b.first - a.first) % a.stride : (a.stride - (a.first - b.first) % a.stride) % a.stride;
   return beyond >= a.bytes && beyond + b.bytes <= a.stride;
@@ -168,8 +168,8 @@ class PointProver {
   std::unique_ptr<LateRows> late_rows_;                      // with certificates
 };
 
-/// Rows as tight as the device's proofs get may still be narrowed by a search, which is told their tolerance: with one
-/// of 0 there is no more to ask for.
+/// A search may still narrow rows that are as tight as the device's proofs get; it gets their tolerance. With a
+/// tolerance of 0 nothing tighter can be requested.
 device::RowCriterion criterion(const MapOptions& options, double radius, bool searched, double outside) {
   const bool open_inside = searched && options.tolerance > 0.0;
   return {options.tolerance, open_inside ? -1.0 : tightest_inside * radius, outside, radius};
@@ -193,7 +193,8 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
     };
     return std::make_unique<Map>(PointProver(model, options), options, model, make_batch);
   }
-  // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
+  // If primitives overlap, the depth is not that of a single one: it takes a search over cubes, which has no
+  // certificates.
   Map::MakeBatch make_search;
   const double radius = bounding_radius(model);
   if (model.primitives.size() > 1 && unsuited.empty()) {

@@ -1,4 +1,4 @@
-/// A map of any kind of query: source -> device (or host) -> host for what stays open -> sink.
+/// A map of any kind of query: source -> device (or host) -> host for open rows -> sink.
 #pragma once
 
 #include <fmt/format.h>
@@ -197,7 +197,7 @@ class MapRun {
     summary_.device_seconds += search.device_seconds() - earlier_seconds;
   }
 
-  // Leaves `queries` empty when nothing is left to be read, and says so; also when the time is up.
+  // Leaves `queries` empty, and returns that, if nothing is left to be read; also when the time is up.
   bool submit_chunk(device::Batch<Query>& batch, std::vector<Query>& queries) const {
     if (out_of_time()) {
       queries.clear();
@@ -317,8 +317,8 @@ struct ChosenDevice : device::Selection {
   }
 };
 
-/// `primitives` are all that the device must be able to hold; `unsuited`, unless it is empty, says why none is to be
-/// used. Throws as device::select_device.
+/// `primitives` are all that the device must have room for; `unsuited`, unless it is empty, is the reason why no device
+/// is to be used. Throws like device::select_device.
 [[nodiscard]] inline ChosenDevice chosen_device(const MapOptions& options, const Model& primitives,
                                                 const std::string& unsuited) {
   if (options.device == "host") return {};

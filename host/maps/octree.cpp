@@ -121,7 +121,7 @@ struct Decisions {
 };
 
 cl::Program octree_program(const Device& device, const Model& model, const std::string& extra_options) {
-  // Of one primitive there is nothing to simplify.
+  // For a single primitive there is nothing to simplify.
   std::string options = fmt::format("{} {}", box_primitives_memory(device, model), extra_options);
   if (model.primitives.size() == 1) options += " -DNO_SIMPLIFICATION";
   return build_program(device.context, device.device, octree_vector_width(device),
@@ -136,7 +136,7 @@ OctreeCube unpacked(cl_ulong position, int level) {
           CubeColour::gray};
 }
 
-// Positions and what is decided in each; grows, and forgets what it held.
+// The positions and decided colours of cubes; grows, and forgets its contents.
 class CubeList {
  public:
   explicit CubeList(const cl::Context& context) : context_(context) { reserve(1); }
@@ -317,7 +317,7 @@ class DeviceFront final : public OctreeFront {
 constexpr int sampled_levels = 3;
 constexpr std::size_t sampled_cubes = 40;
 
-// The cubes of the first levels: those that are decided, then the others.
+// The cubes of the first levels: the decided ones, then the others.
 std::vector<OctreeCube> first_cubes(OctreeFront& front) {
   std::vector<OctreeCube> cubes;
   const OctreeSink sink = [&](std::span<const OctreeCube> found) {

@@ -114,7 +114,7 @@ class StreamFeed {
 
 // A map of points through a device's pipe: the host processes only the rows that the device leaves open.
 
-/// `Prover` as MapRun asks for it, `Feed` as point_feed.hpp has them.
+/// `Prover` as MapRun requires it, `Feed` like MemoryFeed and StreamFeed.
 template <class Prover, class Feed>
 class PipedRun {
  public:
@@ -307,7 +307,7 @@ class PipedRun {
 
 // A prover and the pipe of a device, or of several, made ready: a map of points to a union of convex primitives.
 
-/// `Prover` as MapRun asks for it. Without certificates.
+/// `Prover` as MapRun requires it. Without certificates.
 template <class Prover>
 class PipedMap final : public ExactMap<Point> {
  public:

@@ -36,7 +36,7 @@
 
 namespace verisq {
 
-// Poses as maps of them ask for and name them.
+// Text of poses for messages of maps.
 
 [[nodiscard]] inline std::string text_of(const Pose& pose) {
   const auto& [t, q] = pose;
@@ -54,8 +54,8 @@ inline void require_pose(const Pose& pose) {
 
 // The map of poses where a model has a bend or set operations.
 
-/// As pose_map, by ModelSearch, pose by pose on all processors: no kernel knows such pairs. Throws Error(input)
-/// likewise, and for a model that is proven to have no point.
+/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
+/// Error(input), and for a model that is proven to have no point.
 [[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
 
 namespace {
@@ -173,7 +173,7 @@ class PoseProver {
   [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
 
  private:
-  /// One for each thread at work: that of poses which are neighbours, or nearly.
+  /// The memory of each thread at work, for poses that are neighbours, or nearly.
   class Memories {
    public:
     std::unique_ptr<PairDistance::Memory> taken() {

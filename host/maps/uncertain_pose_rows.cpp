@@ -22,7 +22,7 @@ namespace {
 using verify::DisplacedPoint;
 using verify::Interval;
 
-/// Of one solid at its nominal pose.
+/// The rows of one solid at its nominal pose.
 struct RowsOfSolid {
   std::vector<Enclosure> distances;
   std::vector<Certificate> certificates;
@@ -63,7 +63,7 @@ struct ConvexPoseRows::Solid {
         certified(point_map(alone(primitive), with_certificates(options))),
         distances(point_map(alone(primitive), options)) {}
 
-  /// Nothing: interrupted.
+  /// Nothing if interrupted.
   [[nodiscard]] std::optional<RowsOfSolid> at_nominal_pose(std::span<const Point> points) const {
     RowsOfSolid rows;
     const auto source = [&](std::span<Point> chunk) {
@@ -114,7 +114,7 @@ ConvexPoseRows& ConvexPoseRows::operator=(ConvexPoseRows&&) noexcept = default;
 
 namespace {
 
-/// Of each point the solid whose nominal distance is smallest.
+/// For each point, the solid whose nominal distance is smallest.
 std::vector<std::size_t> nearest_solids(const std::vector<RowsOfSolid>& nominal, std::size_t count) {
   std::vector<std::size_t> nearest(count);
   for (std::size_t k = 1; k < nominal.size(); ++k) {
@@ -196,7 +196,7 @@ namespace {
 using verify::DisplacedPoint;
 using verify::Interval;
 
-/// A box of places, of one point.
+/// A box of places of one point.
 struct PlaceBox {
   std::uint32_t point;
   Point centre;
@@ -207,7 +207,7 @@ double half_diagonal(const PlaceBox& box) {
   return length(verify::Vector3<double>(box.half[0], box.half[1], box.half[2])).upper();
 }
 
-/// One of eight that cover the box: the half edge grows by what the centre is rounded by.
+/// One of eight that cover the box: the half edge grows by the rounding of the centre.
 PlaceBox octant(const PlaceBox& box, unsigned which) {
   PlaceBox part = box;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -219,11 +219,11 @@ PlaceBox octant(const PlaceBox& box, unsigned which) {
   return part;
 }
 
-/// What is known of one point's distances.
+/// The known bounds of one point's distances.
 struct Extremes {
-  Enclosure settled{infinity, -infinity};  ///< of boxes that are divided no further
-  double low_seen = infinity;              ///< the smallest distance is hardly more
-  double high_seen = -infinity;            ///< the largest is hardly less
+  Enclosure settled{infinity, -infinity};  ///< bounds over the boxes that are divided no further
+  double low_seen = infinity;              ///< the smallest distance is hardly larger
+  double high_seen = -infinity;            ///< the largest distance is hardly smaller
   bool by_device = true;
 };
 
@@ -277,7 +277,7 @@ class Subdivision {
   }
 
  private:
-  /// Centres need not be places themselves: what is seen there says only where to look.
+  /// Centres need not be places themselves: their distances only guide the search.
   void look_at(const PlaceBox& box, const MapResult& row) {
     Extremes& known = extremes_[box.point];
     known.by_device = known.by_device && row.status == Status::device_verified;

@@ -159,14 +159,14 @@ void SharedFile::set_size(std::uint64_t bytes) {
 
 namespace {
 
-// As host/files/table_maps.cpp writes rows of enclosures.
+// The layout in which host/files/table_maps.cpp writes rows of enclosures.
 constexpr std::string_view descr = "[('lo', '<f8'), ('hi', '<f8'), ('status', '|u1')]";
 constexpr std::size_t row_bytes = 17;
 
 constexpr std::uint64_t most_rows_of_chunk = std::uint64_t{1} << 19U;
 constexpr std::uint64_t chunks_of_rank = 32;  // so that none waits long for the last one
 
-/// What is known of a finished chunk; all zero of one that is not.
+/// The record of a finished chunk; all zero for an unfinished one.
 struct ChunkRecord {
   std::uint64_t finished;  // rows, and 1
   std::uint64_t device_verified, host_verified, wide, wide_inside;
@@ -185,9 +185,10 @@ std::string text_of_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Small files by all of their bytes. A digest of a large one would take longer than its map: by its size, when it was
-/// last changed, and its ends, which tells whoever goes on with his own job when he has changed it; it is no proof that
-/// nobody did. Parts of maps (host/files/map_part.cpp), which meet from many machines, have digests of all bytes.
+/// Identifies small files by all of their bytes. A digest of a large file would take longer than its map. So it is
+/// identified by its size, the time of its last change, and its ends. This shows users who continue their own job that
+/// they have changed the file; it does not prove that nobody did. Parts of maps (host/files/map_part.cpp), which come
+/// together from many machines, have digests of all bytes.
 std::string identity_of(const std::filesystem::path& path) {
   constexpr std::uintmax_t small = std::uintmax_t{1} << 22U;
   constexpr std::size_t end_bytes = std::size_t{1} << 20U;
@@ -216,7 +217,7 @@ std::uint64_t rows_of_new_chunks(const SharedMapRequest& request, int ranks) {
   return limited - limited % request.rows_of_block;
 }
 
-/// Of rank 0: the size of the chunks that the job to be resumed had. Throws Error(input).
+/// The size of the chunks of the resumed job; for rank 0. Throws Error(input).
 std::uint64_t rows_of_resumed_chunks(const SharedMapRequest& request) {
   const std::string text = text_of_file(beside(request.output, ".job"));
   const std::size_t line = text.find('\n');
@@ -262,7 +263,7 @@ class SharedMap {
     session_.wait_for_all();
   }
 
-  /// The same on every rank, in the order of the chunks.
+  /// The result is the same on every rank, in the order of the chunks.
   [[nodiscard]] SharedMapResult result() const {
     SharedMapResult result;
     result.chunks = chunks_;
@@ -349,12 +350,12 @@ class SharedMap {
   std::vector<char> bytes_;  // of a chunk
 };
 
-/// In order, a little at a time.
+/// Writes the rows in order, a few at a time.
 void write_csv(const std::filesystem::path& rows_file, const SharedMapRequest& request) {
   constexpr std::size_t at_once = std::size_t{1} << 16U;
   std::ifstream rows(rows_file, std::ios::binary);
   rows.seekg(static_cast<std::streamoff>(npy_header(descr, request.rows).size()));
-  // Enclosures alone: of which elements they are makes no difference.
+  // Rows are enclosures alone: the kind of elements does not matter.
   MapWriter writer(request.output, nullptr, MapForm{.elements = MapElements::poses, .format = ".csv"});
   std::vector<char> bytes(at_once * row_bytes);
   std::vector<MapResult> results(at_once);
@@ -386,7 +387,7 @@ void name_the_whole(const SharedMapRequest& request) {
   std::filesystem::remove(beside(request.output, ".job"));
 }
 
-/// What an earlier job left is of no use to a new one.
+/// The files of an earlier job are useless to a new one.
 void remove_leftovers(const SharedMapRequest& request) {
   for (const char* const extension : {".job", ".chunks", ".rows"}) {
     std::error_code ignored;

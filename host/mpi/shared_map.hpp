@@ -14,7 +14,7 @@
 
 namespace verisq::mpi {
 
-// The functions of MPI for shared maps and cohorts, with errors as exceptions; only communicator.cpp includes mpi.h.
+// The functions of MPI for shared maps and cohorts, with errors as exceptions; only shared_map.cpp includes mpi.h.
 
 /// MPI from its first call to its last. One object in a program.
 class Session {
@@ -91,7 +91,7 @@ struct SharedMapRequest {
   std::uint64_t rows = 0;
   std::uint64_t rows_of_block = rows_per_block;  ///< chunks are of whole blocks, so that no row depends on ranks
   std::vector<std::string> subjects;             ///< files that rows depend on: models, then the input
-  std::vector<PartSetting> settings;             ///< whatever else they depend on
+  std::vector<PartSetting> settings;             ///< all other settings on which they depend
   bool resume = false;                           ///< go on where a job with the same subjects and settings ended
 };
 
@@ -101,8 +101,8 @@ struct SharedMapResult {
   std::uint64_t chunks = 0;
 };
 
-/// Called by all ranks. Throws Error(input) where there is nothing to resume or it is of other subjects or settings,
-/// Error(failure) where files cannot be written.
+/// Called by all ranks. Throws Error(input) if there is nothing to resume or it has other subjects or settings,
+/// Error(failure) if files cannot be written.
 [[nodiscard]] SharedMapResult shared_map(const Session& session, const SharedMapRequest& request, const RangeMap& map);
 
 }  // namespace verisq::mpi

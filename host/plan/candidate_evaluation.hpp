@@ -222,7 +222,7 @@ struct Found {
 
 class Incumbent {
  public:
-  /// Of equal candidates the earlier stays.
+  /// If two candidates are equal, the earlier stays.
   void offer(const Found& found) {
     if (!best_ || better(found, *best_)) best_ = found;
   }

@@ -1,4 +1,4 @@
-/// This file implements candidate_space.hpp.
+/// This file implements `CandidateSpace` of candidate_evaluation.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>

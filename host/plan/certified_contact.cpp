@@ -1,4 +1,4 @@
-/// Divides triangles generation by generation, and asks for certificates of the points that this needs.
+/// Divides triangles generation by generation, and requests certificates of the points that this needs.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// This file implements certified_cover.hpp.
+/// This file implements `PatchPlacer` and `certified_cover` of certified_deviation.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -60,7 +60,7 @@ class InsertionProver {
     const auto [centre, radius] = moment(point, deepest).place;
     CertifiedEnclosure there = points_.certified(centre, share_of_points * tolerance_);
     InsertionCertificate certificate{deepest, std::move(there.certificate), {}};
-    // Rounded up, so that the checker, which takes the radius off again, asks for no more than was proven.
+    // Rounded up, so that the checker, which subtracts the radius again, requires no more than was proven.
     const double upper = verify::add(there.distance.hi, radius, verify::Direction::up);
     const double goal = upper - tolerance_;
     Enclosure proven = prove(point, {goal, upper}, certificate);

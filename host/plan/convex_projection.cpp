@@ -280,7 +280,7 @@ using Eigen::Vector3d;
 
 constexpr double kSteadyNormal = 1e-8;
 constexpr int kMostFocalRounds = 40;
-/// Of Newton's equations: nearer to a centre of curvature planes alone continue the search.
+/// The least determinant of Newton's equations: nearer to a centre of curvature planes alone continue the search.
 constexpr double kLeastDeterminant = 1e-3;
 /// Share of the size: the allowed distance of a point outside from the closest point's normal. The distance is off by
 /// about its square.

@@ -1,4 +1,4 @@
-/// The closest points of superquadrics and of tapered ones, in floating point, as a fit's search asks for them.
+/// The closest points of superquadrics and of tapered ones, in floating point, for a fit's search.
 #pragma once
 
 #include <Eigen/Core>

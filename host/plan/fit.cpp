@@ -29,7 +29,7 @@ namespace {
 
 using namespace fit_search;
 
-/// Points of a thinned cavity: enough to tell good poses from bad, and to climb by.
+/// Points of a thinned cavity: enough to distinguish good poses from bad ones, and to climb by.
 constexpr std::size_t kSampledPoints = 128;
 constexpr std::size_t kClimbedPoints = 384;
 

@@ -119,7 +119,7 @@ void check_facing(const FitRequest& request, const Mesh& mesh, bool closed) {
                               request.mesh_name));
 }
 
-/// A closed surface whose normals point inward bounds what lies inside it: a cavity (the paper, section 4).
+/// A closed surface whose normals point inward bounds a cavity (the paper, section 4).
 bool is_cavity(const FitRequest& request, const Mesh& mesh, const MeshTopology& topology) {
   if (request.surface) return request.surface == FitSurface::cavity;
   return topology.bounds_solid() && volume_sign(mesh) < 0;
@@ -346,7 +346,7 @@ CutMesh cut_mesh(FitRequest& request) {
   return whole;
 }
 
-/// New vertices, at the resection, are of the area of the vertex that they were made of.
+/// New vertices, at the resection, belong to the area of the vertex from which they were made.
 Cavity labelled_part(const Cavity& whole, const CutMesh& cut) {
   Cavity part{cut.mesh.vertices, whole.areas, {}};
   part.area_of.reserve(cut.origin.size());

@@ -299,8 +299,8 @@ namespace {
 
 // The depth of a cut needs many samples to be known closely, and none where nothing is cut.
 constexpr double surface_coarseness = 10.0;
-// Eight times what the search's own proofs may take: where an implant is pressed flat against the bone, more would only
-// say more closely how far it is too deep.
+// Eight times the limit of the search's own proofs: if an implant is pressed flat against the bone, more samples would
+// only enclose more closely how far it is too deep.
 constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 
 /// Refuses, before the search, requests that have no bound.

@@ -80,7 +80,7 @@ class Callbacks {
   }
 
  private:
-  /// SLSQP asks for parameters that are no numbers where constraints contradict each other: the end of its search.
+  /// SLSQP requests parameters that are NaN if constraints contradict each other: the end of its search.
   template <class Work>
   void guarded(const double* scaled, const Work& work) {
     try {

@@ -108,8 +108,8 @@ struct Landscape {
   [[nodiscard]] double rank(double objective, double broken) const { return objective - weight * broken; }
 };
 
-/// The fitness with its scale multiplied: wide enough, every point of the cavity tells where to go, and F has fewer
-/// maxima.
+/// The fitness with its scale multiplied: if it is wide enough, every point of the cavity shows the direction to go,
+/// and F has fewer maxima.
 [[nodiscard]] Fitness widened(const Fitness& fitness, double factor);
 
 [[nodiscard]] Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,

@@ -117,7 +117,7 @@ Regions femur_regions(const Mesh& mesh, const FemurLandmarks& landmarks) {
   const Vector3d low = vector_of(*distal);
   const Vector3d up = (vector_of(*proximal) - low).normalized();
   const double top = up.dot(vector_of(*proximal) - low);
-  // Where the neck's axis passes the shaft's, the neck has ended.
+  // The neck ends where its axis passes the shaft's.
   const Vector3d medial = (head - low) - up.dot(head - low) * up;
   const double towards_shaft = -neck.dot(medial.normalized());
   const double neck_length = towards_shaft > 0.0 ? medial.norm() / towards_shaft - *head_radius : 0.0;
@@ -202,8 +202,8 @@ Box box_of(const Mesh& mesh) {
   return box;
 }
 
-/// The largest of the mesh's connected parts, outward. Small crumbs and what lies within, such as a canal, are left
-/// out; a second bone is refused.
+/// The largest of the mesh's connected parts, outward. Small crumbs and inner parts, such as a canal, are left out; a
+/// second bone is refused.
 Mesh one_bone(const Mesh& mesh) {
   const std::vector<std::uint32_t> part = verify::connected_parts(mesh);
   std::vector<double> area(mesh.vertices.size(), 0.0);
@@ -237,7 +237,7 @@ Mesh one_bone(const Mesh& mesh) {
   return result;
 }
 
-/// The direction in which the surface spreads most, of length 1; refuses what has none.
+/// The direction in which the surface spreads most, of length 1; refuses a surface without one.
 Vector3d long_axis(const Mesh& mesh) {
   std::vector<Vector3d> vertices(mesh.vertices.size());
   std::ranges::transform(mesh.vertices, vertices.begin(), vector_of);
@@ -285,7 +285,7 @@ features::HeadSphere head_of(const Mesh& bone) {
   return *head;
 }
 
-/// Of bones that were cut below the lesser trochanter there is more than that; stems have none.
+/// Bones cut below the lesser trochanter have a longer shaft than that; stems have none.
 void check_shaft(const features::ShaftAxis& shaft, const features::HeadSphere& head) {
   const double length = shaft.proximal - shaft.distal;
   if (length >= 2.0 * head.radius) return;
@@ -294,18 +294,18 @@ void check_shaft(const features::ShaftAxis& shaft, const features::HeadSphere& h
                   length, 2.0 * head.radius));
 }
 
-/// What is left of v across the direction, of length 1.
+/// The part of v across the direction, of length 1.
 Vector3d across(const Vector3d& v, const Vector3d& direction) {
   return (v - direction.dot(v) * direction).normalized();
 }
 
-/// From the head along a neck of usual inclination.
+/// The direction from the head along a neck of usual inclination.
 Vector3d usual_neck(const features::ShaftAxis& shaft, const Vector3d& lateral) {
   constexpr double usual_ccd = 2.18;  // 125 degrees
   return (std::cos(usual_ccd) * shaft.direction + std::sin(usual_ccd) * lateral).normalized();
 }
 
-/// Seen from above, what is ahead lies a quarter turn from the medial direction: to the left of the left femur's.
+/// Seen from above, ahead is a quarter turn from the medial direction: to the left of the left femur's.
 Vector3d ahead(const features::ShaftAxis& shaft, const Vector3d& medial, Side side) {
   return shaft.direction.cross(medial) * (side == Side::left ? 1.0 : -1.0);
 }

@@ -1,4 +1,4 @@
-/// This file implements femur_head.hpp.
+/// This file implements the head and neck of femur.hpp.
 #include <fmt/format.h>
 #include <nlopt.h>
 
@@ -116,7 +116,8 @@ void step_to_least_squares(HeadSphere& sphere, const std::vector<Element>& eleme
   sphere.radius += step[3];
 }
 
-/// Three times the median of the residuals of what agrees to 5 % of the radius: the neck's edge and the fovea drop out.
+/// Three times the median of the residuals of the elements that agree to 5 % of the radius: the neck's edge and the
+/// fovea drop out.
 double tolerance_of(const HeadSphere& sphere, const std::vector<Element>& elements) {
   std::vector<double> residuals;
   for (const Element& element : elements) {
@@ -228,7 +229,7 @@ struct Search {
 
   [[nodiscard]] double perimeter(std::span<const double> at) const {
     const auto found = neck.curve(turned(at[0], at[1]), at[2]);
-    // Nelder and Mead compare, so a number that is larger than every perimeter says "none".
+    // Nelder and Mead's method compares, so a number that is larger than every perimeter means "none".
     return found ? found->perimeter / neck.radius() : 1e3;
   }
 };
@@ -289,7 +290,7 @@ struct Range {
   const char* feature;
   double lowest;
   double highest;
-  bool is_proportion;  ///< to the head's radius, of a length; of angles the range is in degrees
+  bool is_proportion;  ///< range relative to the head's radius, for a length; for angles the range is in degrees
 };
 
 /// - ccd: 150 degrees at birth, 120 to 140 of adults, above 140 in valga, down to 80 in a shepherd's crook.
@@ -326,7 +327,7 @@ void check_head_and_neck(const HeadSphere& head, const NeckSection& neck) {
     refuse(fmt::format("{}covered to {:.0f} %, more than the whole: triangles are too large to tell; {}", sphere,
                        100.0 * head.coverage, advice));
   }
-  // Each stands for its triangles: with fewer, one of them would be more than 1 % of the sphere.
+  // Each vertex represents its triangles: with fewer, one of them would be more than 1 % of the sphere.
   constexpr std::size_t fewest_vertices = 40;
   if (head.vertices < fewest_vertices) {
     refuse(

@@ -1,4 +1,4 @@
-/// This file implements femur_shaft.hpp.
+/// This file implements the sections, shaft and condyles of femur.hpp.
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -25,7 +25,7 @@ std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
 }
 
-/// Where the curve enters a triangle, and how it goes on.
+/// The place where the curve enters a triangle, and the next crossing.
 struct Crossing {
   Vector3d point;
   std::uint64_t next;
@@ -39,7 +39,7 @@ class Cut {
     for (const auto& triangle : mesh.triangles) add(triangle);
   }
 
-  /// Takes a closed curve out, or an open one, of which it returns nothing; empty when there is none left.
+  /// Takes out one curve after the other; returns the closed ones. Open curves are dropped.
   std::vector<std::vector<Vector3d>> curves() {
     std::vector<std::vector<Vector3d>> result;
     while (!crossings_.empty()) {
@@ -198,8 +198,8 @@ void fit_line(std::span<const Section> shaft, Vector3d& point, Vector3d& directi
   }
 }
 
-/// Those about the narrowest that are not much wider. The ends taper off: from the distal one the narrowest counts only
-/// beyond where sections stop growing.
+/// The sections about the narrowest that are not much wider. The ends taper off: from the distal end, the narrowest
+/// counts only beyond the place where sections stop growing.
 std::span<const Section> shaft_of(std::span<const Section> all) {
   std::size_t first = 0;
   while (first + 1 < all.size() && all[first + 1].area > 1.01 * all[first].area) ++first;
@@ -277,8 +277,8 @@ std::array<Seen, 2> rear_edge(std::vector<Seen> seen) {
 
 constexpr double about_a_point = 5.0;  // mm
 
-/// The top of the paraboloid of least squares through the vertices about `top`, which lie below it: what the noise of
-/// single vertices and their places do not decide. `top` itself where there is no such paraboloid.
+/// The top of the paraboloid of least squares through the vertices about `top`, which lie below it: noise and the
+/// places of single vertices do not decide it. `top` itself if there is no such paraboloid.
 Vector3d smoothed(std::span<const Vector3d> points, const Vector3d& top, const Vector3d& direction) {
   using Coefficients = Eigen::Matrix<double, 6, 1>;
   const Vector3d u = direction.unitOrthogonal();
@@ -327,8 +327,8 @@ struct Circle {
   double radius;
 };
 
-/// Whether a point of a profile belongs to the round rear of a condyle, from its lowest part to where it leaves the
-/// shaft.
+/// Returns whether a point of a profile belongs to the round rear of a condyle, from its lowest part to the place where
+/// it leaves the shaft.
 bool is_rear(const Eigen::Vector2d& from_centre, double radius) {
   constexpr double lowest = -0.6 * std::numbers::pi;  // of angles from backward to upward
   constexpr double highest = std::numbers::pi / 3.0;
@@ -337,7 +337,7 @@ bool is_rear(const Eigen::Vector2d& from_centre, double radius) {
   return lowest < angle && angle < highest && std::fabs(from_centre.norm() - radius) < roundness * radius;
 }
 
-/// The circle of least squares of those that belong to the one before: |q|² = 2 c·q + (r² - |c|²).
+/// The circle of least squares of the points that belong to the circle before: |q|² = 2 c·q + (r² - |c|²).
 std::optional<Circle> next_circle(std::span<const Eigen::Vector2d> profile, const Circle& before) {
   Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
   Vector3d right_side = Vector3d::Zero();
@@ -378,9 +378,9 @@ std::optional<Vector3d> centre_of_rear(std::span<const Vector3d> distal, const V
   return rearmost + circle.centre[0] * seen.back + circle.centre[1] * seen.up;
 }
 
-/// The epicondyles carry the ligaments about which the knee turns: of the surface they are what lies near the axis
+/// The epicondyles carry the ligaments about which the knee turns. So they are the part of the surface near the axis
 /// through the centres of the condyles' rears (Hollister et al. 1993), not edges before or above it that reach as far
-/// out. All vertices where that axis is not known.
+/// out. All vertices if that axis is not known.
 std::vector<Vector3d> beside_axis(std::span<const Vector3d> distal, const Condyles& found, const Vector3d& sideways,
                                   const Profile& seen) {
   const std::optional<Vector3d> medial = centre_of_rear(distal, found.medial_posterior, sideways, seen);

@@ -70,7 +70,7 @@ void count_edge(const Mesh& mesh, std::span<const TriangleSide> sides, MeshTopol
     ++topology.inconsistent_edges;
 }
 
-/// Two triangles at an edge are neighbours in the fans around both ends of it; more of them part the fans.
+/// Two triangles at an edge are neighbours in the fans around both its ends; more than two separate the fans.
 void unite_fans(const Mesh& mesh, std::span<const TriangleSide> sides, DisjointSets& fans) {
   if (sides.size() != 2) return;
   const auto corner_at = [&](const TriangleSide& side, std::uint32_t vertex) {
@@ -92,7 +92,7 @@ void for_each_edge(const Mesh& mesh, const Visit& visit) {
   }
 }
 
-/// Of each vertex. `fans` unites the corners of neighbours.
+/// The number of fans at each vertex. `fans` unites the corners of neighbours.
 std::vector<std::uint32_t> count_fans(const Mesh& mesh, DisjointSets& fans) {
   std::vector<std::uint32_t> fans_at(mesh.vertices.size(), 0);
   for (std::size_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner)
@@ -111,8 +111,9 @@ struct ScaledVolume {
   int exponent;
 };
 
-/// In units of a power of two, in which no corner is farther than 1 from the apex along an axis: products of three ways
-/// neither overflow nor underflow unless they are nothing beside others. Ordinary sizes are rounded as without units.
+/// In units of a power of two, in which no corner is farther than 1 from the apex along an axis. Then products of three
+/// coordinates neither overflow nor underflow, except if they are negligible beside others. Ordinary sizes are rounded
+/// as without units.
 ScaledVolume scaled_volume(const Mesh& mesh, const Point& apex) {
   const auto farthest_by = [&](double share) {
     double farthest = 0.0;

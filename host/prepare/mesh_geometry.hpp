@@ -1,4 +1,4 @@
-/// Extents of points, which hand axes are of, signs of volumes; topology and cuts of meshes.
+/// Extents of points, the handedness of axes, signs of volumes; topology and cuts of meshes.
 #pragma once
 
 #include <algorithm>

@@ -11,7 +11,8 @@
 namespace verisq::tessellation {
 namespace {
 
-/// From a cube's centre to its corners, edges and faces: no direction is farther than 28 degrees from one of them.
+/// Directions from a cube's centre to its corners, edges and faces: no direction is farther than 28 degrees from one of
+/// them.
 std::vector<Eigen::Vector3d> spread_directions() {
   std::vector<Eigen::Vector3d> directions;
   for (const int x : {-1, 0, 1}) {
@@ -24,7 +25,7 @@ std::vector<Eigen::Vector3d> spread_directions() {
   return directions;
 }
 
-/// Whether a point at most `deviation` away lies on the other side of the surface.
+/// Returns whether a point at most `deviation` away lies on the other side of the surface.
 bool is_near(const Solid& solid, const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double deviation) {
   static const std::vector<Eigen::Vector3d> anywhere = spread_directions();
   const bool inside = solid.contains(point);
@@ -111,7 +112,7 @@ class CreaseSnapper {
   }
 
  private:
-  /// Both ends of each mixed edge may move.
+  /// The possible moves: both ends of each mixed edge may move.
   [[nodiscard]] std::vector<Move> find_moves(const std::function<bool()>& interrupted) const {
     std::vector<Move> moves;
     for (const std::uint32_t a : mixed_) {
@@ -189,7 +190,7 @@ constexpr double most_turned_by_collapse = 0.5;
 /// Twice the area over the square of the longest side, unless it was less before.
 constexpr double flattest_after_collapse = 0.05;
 constexpr int most_passes = 12;
-/// Of the vertices: a pass that takes out fewer is the last one.
+/// Share of the vertices: a pass that removes fewer is the last one.
 constexpr double least_gain = 0.01;
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -317,7 +318,7 @@ class EdgeCollapser {
     return result;
   }
 
-  /// A triangle almost without area has no normal that could be kept: then the solid says where out is.
+  /// A triangle almost without area has no normal that could be kept: then the solid determines the outward direction.
   [[nodiscard]] bool keeps_shape(const TriangleCorners& before, const TriangleCorners& after) const {
     const double shape_before = shape(before);
     if (shape(after) < std::min(flattest_after_collapse, shape_before)) return false;
@@ -326,8 +327,8 @@ class EdgeCollapser {
     return solid_.outward(middle, deviation_).dot(doubled_area(after).stableNormalized()) > most_turned_by_collapse;
   }
 
-  /// For each point that the triangles kept, and the vertex that goes: which of the new triangles keeps it. Nothing
-  /// where one is too far from all of them.
+  /// For each point that the triangles represented, and for the vertex that goes: the new triangle that represents it.
+  /// Nothing if one of them is too far from all new triangles.
   using Moved = std::vector<std::pair<std::uint32_t, std::size_t>>;
   [[nodiscard]] std::optional<Moved> points_moved(std::uint32_t from, const std::vector<std::uint32_t>& changing,
                                                   const std::vector<std::uint32_t>& dying,

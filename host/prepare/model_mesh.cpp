@@ -28,11 +28,11 @@ namespace verisq {
 namespace tessellation {
 namespace {
 
-/// Of the deviation: what samples may show, so that what lies between them stays below the whole.
+/// Share of the deviation that samples may show, so that the deviation between them stays below the whole.
 constexpr double share_of_samples = 0.5;
-/// Of the deviation: tetrahedra below this size are refined no more.
+/// Share of the deviation: tetrahedra below this size are not refined any more.
 constexpr double smallest_tetrahedron = 0.25;
-/// Of the deviation a coordinate's last bit may be.
+/// Share of the deviation: the largest last bit of a coordinate.
 constexpr double largest_rounding = 1e-3;
 constexpr std::size_t triangles_a_chunk = 512;
 
@@ -55,7 +55,8 @@ bool is_union_of_all(const Model& model) {
   return false;
 }
 
-/// Whether any two primitives are proven farther apart than `gap`. `surfaces`: theirs, points of which decide most.
+/// Returns whether any two primitives are proven farther apart than `gap`. `surfaces` are the primitives' surfaces,
+/// whose points decide most pairs.
 bool apart(const Model& model, const Solid& solid, const std::vector<Mesh>& surfaces, double gap,
            const std::function<bool()>& interrupted) {
   const auto contains_some = [&](std::size_t i, std::size_t j) {
@@ -106,7 +107,7 @@ class Marching {
         marcher_(solid, grid_),
         points_(surface_points(solid, surfaces, deviation_, options.interrupted)) {}
 
-  /// Nothing where interrupted.
+  /// Nothing if interrupted.
   Triangles run() && {
     refine_to_parts();
     TetrahedraSurface surface;
@@ -152,14 +153,14 @@ class Marching {
     }
   }
 
-  /// All of them, unless interrupted.
+  /// Bisects all of them, unless interrupted.
   void bisect(std::span<const std::uint32_t> marked) {
     constexpr std::size_t between_polls = 1024;
     for (; !marked.empty() && !options_.interrupted(); marked = marked.subspan(std::min(between_polls, marked.size())))
       grid_.bisect(marked.first(std::min(between_polls, marked.size())));
   }
 
-  /// Interrupted, some of them.
+  /// If interrupted, only some of them.
   [[nodiscard]] std::vector<std::uint32_t> near_surface(std::uint32_t first, double size) const {
     std::vector<std::uint32_t> marked;
     for (std::uint32_t k = first; k < grid_.tetrahedra().size() && !options_.interrupted(); ++k) {
@@ -263,7 +264,7 @@ void estimate(const Solid& solid, const ModelMeshOptions& options, ModelMesh& re
   result.samples = samples_of(Sampling::fine) * mesh.triangles.size();
 }
 
-/// Model and options are in units of `unit`; messages tell lengths.
+/// Model and options are in units of `unit`; messages state lengths.
 ModelMesh meshed(const Model& model, const ModelMeshOptions& options, double unit) {
   const double deviation = options.deviation;
   const Solid solid(model);
@@ -426,7 +427,7 @@ std::uint32_t BisectedTetrahedra::middle_of(std::uint32_t a, std::uint32_t b) {
 
 namespace {
 
-/// Of an edge: vertices nearer to its end would make triangles of no area once coordinates are rounded.
+/// Share of an edge: vertices nearer to its end would make triangles of no area once coordinates are rounded.
 constexpr double closest_to_end = 1e-3;
 constexpr std::size_t vertices_a_chunk = 1024;
 

@@ -63,7 +63,7 @@ void check(std::span<const Eigen::Vector3d> points) {
   require(half.minCoeff() > flat * half.maxCoeff(), "all points lie in a plane, or nearly so");
 }
 
-/// As many of them, at random, in their order.
+/// At most `most` of the points, chosen at random, in their order.
 std::vector<Eigen::Vector3d> thinned(std::span<const Eigen::Vector3d> points, std::size_t most, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> chosen;
   std::mt19937_64 random(seed);
@@ -80,7 +80,7 @@ double size_of(std::span<const Eigen::Vector3d> points) {
   return box_along(points, Eigen::Matrix3d::Identity()).half.maxCoeff();
 }
 
-/// From a straight superquadric, and from none.
+/// The best fit from a straight superquadric, and from no start.
 MixtureFit best_single(std::span<const Eigen::Vector3d> points, const RecoveryOptions& options, double most_outliers) {
   const Family family = family_of(options.taper, options.bend);
   const MixtureFit plain = recover_single(points, {Family::plain, options.seed, most_outliers});
@@ -101,10 +101,11 @@ MixtureFit best_single(std::span<const Eigen::Vector3d> points, const RecoveryOp
              : deformed;
 }
 
-/// Which points belong to the shape rather than to nothing.
+/// The points that belong to the shape rather than to outliers.
 std::vector<Eigen::Vector3d> inliers(std::span<const Eigen::Vector3d> points, const MixtureFit& fit) {
   const DistanceToShape distance(fit.shape, Family::plain);
-  // Where both are as likely: a surface's density falls to that of outliers within a few times the noise.
+  // The distance at which both are equally likely: a surface's density falls to that of outliers within a few times the
+  // noise.
   constexpr double farthest = 3.0;
   if (fit.mixture.outliers <= 2e-3) return {points.begin(), points.end()};
   std::vector<Eigen::Vector3d> chosen;
@@ -113,7 +114,7 @@ std::vector<Eigen::Vector3d> inliers(std::span<const Eigen::Vector3d> points, co
   return chosen.empty() ? std::vector<Eigen::Vector3d>(points.begin(), points.end()) : chosen;
 }
 
-/// What a recovery knows of the surface.
+/// The data that a recovery has about the surface.
 struct Subject {
   std::vector<Eigen::Vector3d> points;
   const Mesh* mesh = nullptr;  ///< null for clouds
@@ -142,12 +143,12 @@ UnionFit pruned(UnionFit fit, double no_cost) {
   return fit;
 }
 
-/// Whether outliers may be among the points.
+/// Returns whether outliers may be among the points.
 bool strews(const Subject& subject, const RecoveryOptions& options) {
   return subject.mesh == nullptr && options.most_outliers > 0.0;
 }
 
-/// Unions have no mixture: outliers are what lies less densely.
+/// Unions have no mixture: outliers are the points in less dense neighbourhoods.
 std::vector<Eigen::Vector3d> without_outliers(const Subject& subject, const RecoveryOptions& options) {
   if (!strews(subject, options)) return subject.points;
   return dense_points(thinned(subject.points, searched_points, options.seed));
@@ -168,7 +169,7 @@ class UnionRecovery {
 
   Recovery run() {
     options_.progress({1, std::numeric_limits<double>::infinity()});
-    // Bends come last: while primitives are still few, they would only wrap what others are to fill.
+    // Bends come last: while primitives are still few, they would only wrap parts that other primitives are to fill.
     const UnionOptions union_options{.family = options_.taper ? Family::tapered : Family::plain,
                                      .size = size_,
                                      .outlier_ratio = 0.0,
@@ -214,7 +215,7 @@ class UnionRecovery {
     }
   }
 
-  /// One bent primitive may then do what two straight ones did. `polish` leaves one stage for each number.
+  /// One bent primitive may then replace two straight ones. `polish` leaves one stage for each number.
   void bend(UnionFit& fit, double no_cost) {
     for (int k = 0; k < sweeps && !options_.interrupted(); ++k)
       if (!fit.sweep()) break;
@@ -237,7 +238,7 @@ class UnionRecovery {
     return a.cost() <= b.cost() ? a : b;
   }
 
-  /// Share of those that were asked.
+  /// The share of outliers among the tested points.
   [[nodiscard]] double outliers() const {
     if (!strews(subject_, options_)) return 0.0;
     const std::size_t asked = std::min(subject_.points.size(), searched_points);
@@ -249,12 +250,12 @@ class UnionRecovery {
     stages_.push_back(stage_of(shapes_, points_, subject_.tree.get(), options_.seed));
   }
 
-  /// One primitive may be what the whole surface is of: then the method for points finds it, pointed or not.
+  /// One primitive may have the whole surface: then the method for points finds it, pointed or not.
   [[nodiscard]] bool alone(const UnionFit& fit) const {
     return fit.shapes().size() == 1 && !strews(subject_, options_);
   }
 
-  /// Of the chosen number, with all points.
+  /// Polishes the fit of the chosen number of primitives, with all points.
   void polish(const UnionFit& fit) {
     UnionSamples all = samples_;
     all.surface = points_;
@@ -287,8 +288,8 @@ class UnionRecovery {
     return fit;
   }
 
-  /// How far the surface is from the union and, of a mesh, the union from the surface: what reaches out between the
-  /// samples of the space is seen by the second alone.
+  /// The distance of the surface from the union and, for a mesh, of the union from the surface: only the latter reveals
+  /// parts that reach out between the samples of the space.
   [[nodiscard]] static double strays(const RecoveryStage& stage, const UnionFit& fit) {
     return stage.to_mesh ? stage.to_model.mean + stage.to_mesh->mean : fit.cost();
   }
@@ -316,7 +317,7 @@ Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
 
 Recovery recover(const Subject& subject, const RecoveryOptions& options) {
   check(subject.points);
-  // A closed mesh shows where its inside is, which a cloud does not: unions know what to do with that.
+  // A closed mesh determines its inside, which a cloud does not: unions can use that.
   const bool one = options.primitives == 1 && !subject.closed;
   return one ? recover_one(subject, options) : UnionRecovery(subject, options).run();
 }
@@ -353,7 +354,7 @@ constexpr int most_proofs = 12;
 constexpr double least_growth = 1e-5;  // of the mesh's size: what a proof needs to end soon
 constexpr double faster = 3.0;         // growth over that before, once a proof has failed
 
-/// Semi-axes longer by so much, or shorter: at least a thousandth of them is left.
+/// The shape with semi-axes longer by `growth`, or shorter: at least a thousandth of them is left.
 Shape with_longer_axes(Shape shape, double growth) {
   shape.axes = (shape.axes.array() + growth).max(1e-3 * shape.axes.array());
   return shape;
@@ -375,7 +376,7 @@ class OneSidedFit {
     growth_ = least_growth * options_.size;
   }
 
-  /// No point of the mesh may be on the wrong side there.
+  /// Adds a sample: no point of the mesh may be on the wrong side there.
   void guard(const Eigen::Vector3d& point) {
     if (around_) {
       samples_.inside.push_back(point);
@@ -400,7 +401,7 @@ class OneSidedFit {
 
   [[nodiscard]] std::size_t size() const { return shapes_.size(); }
 
-  /// As fitted, but each so much larger, or smaller, that none of its samples is astray.
+  /// The fitted shapes, each so much larger, or smaller, that none of its samples is astray.
   [[nodiscard]] std::vector<Shape> shapes() const {
     std::vector<Shape> shapes = shapes_;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -427,7 +428,7 @@ class OneSidedFit {
     }
   }
 
-  /// Of each primitive, how far the samples that are nearest to it are astray, at most, to first order.
+  /// For each primitive: an upper bound, to first order, of how far the samples nearest to it are astray.
   [[nodiscard]] std::vector<double> astray(const UnionFit& fit) const {
     const std::vector<double> distances = fit.distances();
     const std::vector<std::size_t> owners = fit.owners();
@@ -455,7 +456,7 @@ std::vector<Shape> shapes_of(const Model& model) {
   return shapes;
 }
 
-/// Those that lie beside the mesh, as long as others are left.
+/// Removes the primitives that lie beside the mesh, as long as others are left.
 void remove_outside(const Model& model, std::span<const std::string> names, OneSidedFit& fit) {
   for (std::size_t i = model.primitives.size(); i-- > 0;)
     if (fit.size() > 1 && std::ranges::count(names, model.primitives[i].name) > 0) fit.remove(i);

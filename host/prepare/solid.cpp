@@ -26,7 +26,7 @@ double superellipse_gauge(double a, double b, double exponent) {
   return larger * std::pow(1.0 + std::pow(ratio, 2.0 / exponent), exponent / 2.0);
 }
 
-/// Where the taper takes a point, in semi-axes.
+/// The image of a point under the taper, in semi-axes.
 Eigen::Array3d tapered(const Eigen::Array3d& point, double k) {
   const double z = (point[2] - k) / (1.0 - k * point[2]);
   const double scale = 1.0 + k * z;
@@ -123,10 +123,10 @@ Eigen::Vector3d PlacedPrimitive::Arc::unbent(const Eigen::Vector3d& bent) const 
 
 namespace {
 
-/// Of the deviation: the two directions' add up.
+/// Share of the deviation for each of two directions, whose deviations add up.
 constexpr double share_of_a_chord = 0.45;
 constexpr int deepest_halving = 40;
-/// Across the lines of one family, where its chords are looked at.
+/// The number of lines across one family, on which its chords are evaluated.
 constexpr int lines_looked_at = 32;
 
 using CurvePoint = std::function<Eigen::Vector3d(double parameter, double across)>;
@@ -136,7 +136,7 @@ class GridOfChords {
   GridOfChords(CurvePoint point, std::vector<double> across, double sag)
       : point_(std::move(point)), across_(std::move(across)), sag_(sag) {}
 
-  /// From `first` to `last` eighths of a turn, both included: multiples of 1/2 are where edges and corners may lie.
+  /// From `first` to `last` eighths of a turn, both included: at multiples of 1/2 edges and corners may lie.
   [[nodiscard]] std::vector<double> between(int first, int last) {
     grid_ = {first / 2.0};
     for (int eighth = first; eighth < last; ++eighth) halve(eighth / 2.0, (eighth + 1) / 2.0, 0);
@@ -233,7 +233,7 @@ Mesh parametric_surface(const PlacedPrimitive& primitive, double deviation) {
 
 namespace {
 
-/// Of the line that is searched for the surface.
+/// Share of the line that is searched for the surface.
 constexpr double fraction_precision = 1e-12;
 
 template <class InPrimitive>

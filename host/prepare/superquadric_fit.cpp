@@ -17,14 +17,14 @@ namespace verisq::recovery {
 namespace {
 
 constexpr double least_outliers = 1e-3;
-// Of the logarithm of a semi-axis over half the extent of the points along it, where it is above 1: a cut that leaves
-// 60 % of a surface leaves at least as much of its extent, ln(1/0.6) = 0.5.
+// Deviation of the logarithm of a semi-axis over half the extent of the points along it, where it is above 1. A cut
+// that leaves 60 % of a surface leaves at least as much of its extent, ln(1/0.6) = 0.5.
 constexpr double reach_deviation = 0.3;
 constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e6;
 
-/// And what the next mixture is made of.
+/// With the sums for the next mixture.
 template <int N>
 struct MixtureEquations : NormalEquations<N> {
   MixtureSums sums;
@@ -60,7 +60,7 @@ class MixtureSearch {
   }
 
  private:
-  /// Of an outlier's likelihood to that of a point on the surface.
+  /// The ratio of an outlier's likelihood to that of a point on the surface.
   [[nodiscard]] double outlier_ratio() const {
     return mixture_.outliers / (1.0 - mixture_.outliers) * mixture_.noise * std::sqrt(2.0 * std::numbers::pi) *
            options_.area_over_volume;
@@ -109,7 +109,7 @@ class MixtureSearch {
            count * std::log(mixture_.noise / (options_.size * (1.0 - mixture_.outliers)));
   }
 
-  /// How far beyond the points that belong to it the shape goes, in logarithms, and what that costs.
+  /// How far the shape goes beyond the points that belong to it, in logarithms, and the cost of that.
   [[nodiscard]] Eigen::Vector3d excess(const Shape& shape) const {
     return shape.axes.cwiseQuotient(reach_).array().log().max(0.0);
   }
@@ -125,7 +125,7 @@ class MixtureSearch {
     if (!reach_.allFinite()) reach_.setConstant(std::numeric_limits<double>::infinity());
   }
 
-  /// From sums over the residuals with the mixture so far.
+  /// Updates the mixture from sums over the residuals with the mixture so far.
   void update_mixture(const MixtureSums& sums) {
     const auto count = static_cast<double>(points_.size());
     mixture_.outliers = std::min(std::max(1.0 - sums.weights / count, least_outliers), options_.most_outliers);
@@ -286,7 +286,8 @@ constexpr int last_iterations = 30;
 constexpr double hopeless = 30.0;  // in the logarithm of the likelihood
 constexpr double polish_precision = 1e-4;
 constexpr double last_precision = 1e-9;
-// Of the noise, over the size: parameters are not known better than to a multiple of it, so more steps say nothing.
+// Share of the noise, over the size: parameters are not known better than to a multiple of it, so more steps are
+// useless.
 constexpr double precision_in_noise = 1e-3;
 constexpr double gain = 0.1;            // in the logarithm of the likelihood, that is worth another round
 constexpr double noise_step = 0.03;     // the least noise becomes so many times what it was
@@ -300,7 +301,7 @@ std::vector<Eigen::Vector3d> shuffled(std::span<const Eigen::Vector3d> points, s
   return result;
 }
 
-/// Whether both are the same optimum, in the same parametrisation.
+/// Returns whether both are the same optimum, in the same parametrisation.
 bool alike(const MixtureFit& a, const MixtureFit& b) {
   constexpr double near = 1e-2;
   return std::abs(a.cost - b.cost) < near * (1.0 + std::abs(a.cost)) &&
@@ -319,7 +320,7 @@ class SingleSearch {
         axes_(principal_axes(dense_)) {
     const Eigen::Vector3d half = box_along(dense_, axes_).half;
     size_ = half.maxCoeff();
-    // A box's faces over the volume of one of twice its lengths, where outliers lie: only the order matters.
+    // A box's faces over the volume of a box of twice its lengths, which contains the outliers: only the order matters.
     options_ = {.family = options.family,
                 .size = size_,
                 .area_over_volume = half.cwiseInverse().sum() / 2.0,
@@ -370,7 +371,7 @@ class SingleSearch {
     return {std::max(mixture.noise, alternative_noise * size_), mixture.outliers};
   }
 
-  /// Whether one was better.
+  /// Returns whether one was better.
   bool add_alternatives() {
     const MixtureFit best = found_.front();
     for (const Shape& shape : alternative_shapes(best, part_))
@@ -379,7 +380,7 @@ class SingleSearch {
     return found_.front().cost < best.cost - gain;
   }
 
-  /// On all points.
+  /// The best fit, polished on all points.
   MixtureFit polished() {
     options_.precision = polish_precision;
     if (found_.size() > kept) found_.resize(kept);
@@ -399,7 +400,7 @@ class SingleSearch {
     return std::max(last_precision, precision_in_noise * mixture.noise / size_);
   }
 
-  /// As long as the noise is as small as it may be, it may be smaller.
+  /// While the noise is at its lower limit, the limit is lowered.
   MixtureFit sharpened(MixtureFit best) {
     options_.iterations = last_iterations;
     options_.precision = precision_for(best.mixture);

@@ -68,8 +68,8 @@ Eigen::Vector3d unbent(const Eigen::Vector3d& bent, const Eigen::Vector2d& curva
   return {direction[0] * straight_r - direction[1] * s, direction[1] * straight_r + direction[0] * s, straight_z};
 }
 
-/// The gradient at `bent` of what has the gradient `slope` at the straight point: along the arc lengths are divided by
-/// 1 - k r, and the frame turns by k z.
+/// The gradient, at `bent`, of a function with the gradient `slope` at the straight point: lengths along the arc are
+/// divided by 1 - k r, and the frame turns by k z.
 Eigen::Vector3d bent_gradient(const Eigen::Vector3d& straight, const Eigen::Vector3d& slope,
                               const Eigen::Vector2d& curvature) {
   const double k = curvature.norm();

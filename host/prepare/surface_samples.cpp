@@ -38,7 +38,7 @@ double unit_gauge(const Eigen::Vector3d& point, const Eigen::Vector2d& exponents
   return gauge;
 }
 
-/// Of the straight solid of Eq. (1), in its own frame.
+/// The deformed point of the straight solid of Eq. (1), in its own frame.
 Eigen::Vector3d deformed(const Eigen::Vector3d& point, const Shape& shape) {
   const double k = shape.taper;
   const double height = point[2] / shape.axes[2];

@@ -13,7 +13,7 @@
 
 namespace verisq::tessellation {
 
-// A cube cut into tetrahedra that are bisected where one asks, and further so that faces always meet face to face.
+// A cube cut into tetrahedra that are bisected on demand, and further so that faces always meet face to face.
 
 /// Two vertices in the order of their indices, as one number.
 [[nodiscard]] constexpr std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {

@@ -151,7 +151,7 @@ bool UnionFit::step_of(std::size_t primitive) {
     if (own[i] >= others[i] || residual(i, own[i]) == 0.0) continue;
     const PointBlock& block = blocks_[i / lanes];
     points.emplace_back(block.x[i % lanes], block.y[i % lanes], block.z[i % lanes]);
-    // As if the distance were the residual: what counts is the slope of its square.
+    // Weighted as if the distance were the residual: the slope of its square counts.
     const double excess = residual(i, own[i]) / own[i];
     weights.push_back(block.present[i % lanes] * std::min(excess, most_excess));
   }
@@ -324,7 +324,7 @@ void sort(std::vector<Candidate>& candidates) {
                            [](const Candidate& a, const Candidate& b) { return a.fit.cost() < b.fit.cost(); });
 }
 
-/// The same union with one primitive in another parametrisation, where that is better.
+/// Tries one primitive in another parametrisation, and keeps it if the union is better.
 bool try_alternatives(UnionFit& fit, const std::function<bool()>& interrupted) {
   bool gained = false;
   for (std::size_t primitive = 0; primitive < fit.shapes().size() && !interrupted(); ++primitive) {

@@ -8,7 +8,7 @@
 
 #include "host/prepare/surface_distance.hpp"
 
-// Where the compiler makes several versions of a function and the program takes the widest that its processor knows.
+// If the compiler makes several versions of a function, the program uses the widest that its processor supports.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define VERISQ_WIDEST_VECTORS [[gnu::target_clones("default", "avx2", "avx512f")]]
 #else
@@ -33,7 +33,7 @@ struct Placement {
   std::array<std::array<double, 3>, 3> rotation{};  ///< rows: the shape's axes
 };
 
-/// Of the shape's own frame.
+/// A point of the shape's own frame.
 struct OwnPoint {
   double x, y, z;
 };
@@ -207,7 +207,7 @@ void add_extent(std::span<const PointBlock> blocks, const Placement& place, cons
   result = lanes_of;
 }
 
-/// Arrays of one coordinate each: a loop of any length over them is what compilers turn into vectors best.
+/// Arrays of one coordinate each: compilers vectorise a loop of any length over them best.
 VERISQ_WIDEST_VECTORS
 std::int64_t count_within(const double* x, const double* y, const double* z, std::size_t size, const double* centre,
                           double squared_radius) {

@@ -86,7 +86,7 @@ std::vector<double> vertices(const Mesh& mesh) {
   return numbers;
 }
 
-/// Where the primitives stand, if not where the file says.
+/// The primitives' poses, if they are not those of the file.
 Json poses(const Report& report) {
   if (!report.proof->moved) return nullptr;
   std::vector<double> numbers;
@@ -109,7 +109,7 @@ struct RowPoints {
   }
 };
 
-/// Of all rows one after the other, eight a byte, the highest first.
+/// The bits of all rows one after the other, eight in a byte, the highest first.
 struct CoverBits {
   std::vector<std::uint32_t> ends;
   std::vector<std::uint8_t> bytes;
@@ -170,7 +170,7 @@ Json proof_data(const Report& report) {
 
 namespace {
 
-/// In JSON these characters occur within texts alone.
+/// In JSON these characters only occur within texts.
 void write_for_html(OutputFile& file, std::string_view json) {
   while (true) {
     const std::size_t plain = json.find_first_of("<>&");
@@ -202,7 +202,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To nearest; what is beyond the range of binary32 stops at its end.
+/// Rounded to nearest; a number beyond the range of binary32 becomes its end.
 float to_binary32(double x) {
   constexpr double largest = std::numeric_limits<float>::max();
   return static_cast<float>(std::clamp(x, -largest, largest));
@@ -228,7 +228,7 @@ std::string column(std::span<const MapResult> rows, const Part& part) {
   return report::column_text(std::move(numbers));
 }
 
-/// As the poses are: about the files' origin. The page squares quaternions.
+/// Poses are about the files' origin. The page squares quaternions.
 Json path(std::span<const Pose> poses) {
   if (poses.empty()) return nullptr;
   Json path = Json::array();
@@ -288,7 +288,7 @@ std::string page_without_prover() {
 
 void write_html_report(const std::filesystem::path& path, const Report& report) {
   const std::string page = report.proof ? std::string(report::page_template()) : page_without_prover();
-  // What is not ASCII is escaped; what is not UTF-8 is replaced.
+  // Non-ASCII characters are escaped; invalid UTF-8 is replaced.
   report::write_filled_page(path, page, data_of(report).dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 

@@ -53,7 +53,7 @@ double round_step(double size) {
   return 10.0 * power;
 }
 
-/// How far from the implant's surface the rows are, by their lower bounds.
+/// The distances of the rows from the implant's surface, by their lower bounds.
 std::vector<double> sizes_of(std::span<const MapResult> rows) {
   std::vector<double> sizes;
   for (const MapResult& row : rows) {
@@ -144,7 +144,7 @@ double advance_of(cairo_t* context, const std::string& text) {
   return extents.x_advance;
 }
 
-/// By bisection, because a model may name its units by a text of any length.
+/// Shortens by bisection, because a model may name its units by a text of any length.
 std::string shortened(cairo_t* context, const std::string& text, double room) {
   if (advance_of(context, text) <= room) return text;
   const auto beginning = [&](std::size_t bytes) {
@@ -160,7 +160,7 @@ std::string shortened(cairo_t* context, const std::string& text, double room) {
   return beginning(fits);
 }
 
-/// An output file that cairo writes to, and what went wrong there: exceptions must not cross C.
+/// An output file to which cairo writes, and its error: exceptions must not cross C.
 struct Target {
   OutputFile file;
   std::exception_ptr error = nullptr;
@@ -246,7 +246,7 @@ using report::Drawing;
 const Colour ink(0.10, 0.11, 0.13);
 const Colour faint_ink(0.40, 0.42, 0.46);
 
-/// In pixels. Sizes of letters and gaps are stated for the usual picture and grow with it.
+/// Lengths in pixels. Sizes of letters and gaps are defined for the usual picture and grow with it.
 struct Layout {
   double unit;  ///< 1 for 1600 x 1000
   double margin;
@@ -268,7 +268,7 @@ struct Layout {
   [[nodiscard]] int panel_left(int panel) const { return static_cast<int>(margin + panel * (panel_width + margin)); }
 };
 
-/// In ranges of the scale: binary32 holds these whatever the units.
+/// Values in ranges of the scale: binary32 can represent these for any units.
 std::vector<float> values_of(std::span<const MapResult> rows, const ColourScale& scale) {
   constexpr double far = 64.0;  // well beyond the colours, near enough to interpolate by
   std::vector<float> values(rows.size());
@@ -370,7 +370,7 @@ std::vector<std::string> broken(const Drawing& drawing, const std::string& text,
   return lines;
 }
 
-/// As many entries as there is room for.
+/// Writes as many entries as there is room for.
 void write_summary(Drawing& drawing, const Report& report, const Layout& layout, double y) {
   const double unit = layout.unit;
   const double bottom = drawing.height() - layout.margin;

@@ -70,7 +70,7 @@ class Drawing {
   /// The width that `write` would take of unlimited room; 0 without fonts.
   [[nodiscard]] double width_of(const std::string& text, const Type& type) const;
 
-  /// As .png; the file appears when it is complete. Throws Error(failure).
+  /// Saves a .png; the file appears when it is complete. Throws Error(failure).
   void save(const std::filesystem::path& path) const;
 
  private:

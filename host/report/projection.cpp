@@ -74,8 +74,8 @@ View broad_view(const Mesh& bone, const Mesh& implant, const Eigen::Vector3d& up
   View view = unturned(bone, implant);
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - up * up.transpose();
   const Eigen::Matrix3d covariance = surface_moments(seen(view, bone), bone).covariance();
-  // Upright itself has the eigenvalue 0 and comes first; across the second axis the bone is thinnest. Where it is as
-  // thin as that along all of them, the solver's axes may lean, hence the two cross products.
+  // Upright itself has the eigenvalue 0 and comes first; across the second axis the bone is thinnest. If it is as thin
+  // along all of them, the solver's axes may lean, hence the two cross products.
   const Eigen::Vector3d thinnest = with_positive_side(principal_axes(across * covariance * across).col(1));
   const Eigen::Vector3d right = up.cross(thinnest).norm() > 0.5 ? Eigen::Vector3d(up.cross(thinnest).normalized())
                                                                 : Eigen::Vector3d(up.unitOrthogonal());
@@ -131,8 +131,8 @@ void DepthBuffer::draw(const ProjectedSurface& surface, const std::array<std::ui
 
 namespace {
 
-/// Cosines of the vertices' normals with the line of sight. A normal is the sum of those of the triangles around, each
-/// as long as its area.
+/// Cosines of the vertices' normals with the line of sight. A normal is the sum of the normals of the triangles around,
+/// each as long as its area.
 std::vector<float> facing(const std::vector<Eigen::Vector3d>& vertices,
                           const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   std::vector<Eigen::Vector3d> normals(vertices.size(), Eigen::Vector3d::Zero());
@@ -206,7 +206,7 @@ Colour metal_colour(const Sample& implant) {
   return mixed((0.25 + 0.75 * facing) * metal, white, gleam);
 }
 
-/// A dark outline and a hint of its form: what lies on the bone stays legible.
+/// A dark outline and a hint of the implant's form: the values on the bone stay legible.
 Colour through_bone(const Colour& bone, const Sample& implant) {
   const double grazing = 1.0 - std::abs(implant.facing);
   return mixed(bone, metal_outline, 0.12 + 0.55 * grazing * grazing);
@@ -219,7 +219,7 @@ Colour seen(const Sample& bone, const Sample& implant, const ColourScale& scale)
   return implant.covered() ? through_bone(colour, implant) : colour;
 }
 
-/// From the farthest to the nearest point, in the coordinates of the scene.
+/// The range from the farthest to the nearest point, in the coordinates of the scene.
 struct Depths {
   double farthest = infinity;
   double nearest = -infinity;
@@ -279,9 +279,9 @@ using tessellation::PlacedPrimitive;
 using tessellation::SurfaceParameters;
 
 constexpr int steps_a_quarter = 12;
-/// In quarter turns: what is nearer than this to its neighbour adds triangles and nothing to see.
+/// In quarter turns: a direction nearer than this to its neighbour adds triangles without a visible effect.
 constexpr double closest = 0.1 / steps_a_quarter;
-/// Of the triangles where cuts pass: 2^4 times finer than the grid.
+/// For the triangles where cuts pass: 2^4 times finer than the grid.
 constexpr int deepest_split = 4;
 
 enum class Face { none, outward, inward };  // inward: the primitive is cut away there
@@ -292,8 +292,8 @@ SurfaceParameters between(const SurfaceParameters& a, const SurfaceParameters& b
   return {(a.longitude + b.longitude) / 2.0, (a.latitude + b.latitude) / 2.0};
 }
 
-/// Directions from one axis to the next, in quarter turns: evenly spread ones for the flat parts, and those of the
-/// curve's usual form (cos^e, sin^e), which crowd wherever the exponent makes it turn.
+/// Directions from one axis to the next, in quarter turns. They are evenly spread for the flat parts; and those of the
+/// curve's usual form (cos^e, sin^e) crowd wherever the exponent makes it turn.
 std::vector<double> quarter_grid(double exponent) {
   std::vector<double> grid;
   for (int k = 0; k <= steps_a_quarter; ++k) {
@@ -310,7 +310,7 @@ std::vector<double> quarter_grid(double exponent) {
   return thinned;  // 1 is the first of the next quarter
 }
 
-/// From `first` to `last` quarter turns, both included.
+/// The directions from `first` to `last` quarter turns, both included.
 std::vector<double> grid_of_quarters(int first, int last, double exponent) {
   const std::vector<double> quarter = quarter_grid(exponent);
   std::vector<double> grid;
@@ -321,8 +321,8 @@ std::vector<double> grid_of_quarters(int first, int last, double exponent) {
   return grid;
 }
 
-/// Of a tapered primitive also those that are evenly spread about the end which the taper stretches: the taper takes
-/// the point (c, s) of the unit circle to the height where this direction leads.
+/// For a tapered primitive also directions evenly spread about the end which the taper stretches: the taper takes the
+/// point (c, s) of the unit circle to the height of this direction.
 std::vector<double> latitudes(const PlacedPrimitive& primitive) {
   std::vector<double> grid = grid_of_quarters(-1, 1, primitive.exponents()[0]);
   const double k = primitive.taper();
@@ -396,7 +396,7 @@ class SurfaceBuilder {
     }
   }
 
-  /// Whether another primitive is so near and so thin that it may pass between the corners.
+  /// Returns whether another primitive is so near and so thin that it may pass between the corners.
   [[nodiscard]] bool may_miss_a_part(std::size_t k, const std::array<Eigen::Vector3d, 3>& corners) const {
     const Eigen::Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double size = 0.0;
@@ -411,7 +411,7 @@ class SurfaceBuilder {
     return false;
   }
 
-  /// What primitive k's surface is to the whole solid at a point: `step` leads out of the primitive.
+  /// The role of primitive k's surface in the whole solid at a point: `step` leads out of the primitive.
   [[nodiscard]] Face face(std::size_t k, const Eigen::Vector3d& point, const Eigen::Vector3d& step) const {
     const bool within = solid_.contains(point - step, k, true);
     const bool beyond = solid_.contains(point + step, k, false);

@@ -1,4 +1,4 @@
-/// This file implements stance_choice.hpp.
+/// This file implements the scopes and the caller's choice of stance_results.hpp.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -27,7 +27,7 @@ void insert(Indices& indices, const QuantityVector& vector) {
   for (const Quantity& quantity : vector) insert(indices, quantity);
 }
 
-/// Names of the parameters of which `has_effect(index)` is false.
+/// The names of the parameters for which `has_effect(index)` is false.
 template <class Predicate>
 std::vector<std::string> without_effect(const Model& model, const Predicate& has_effect) {
   std::vector<std::string> names;
@@ -336,7 +336,7 @@ void for_each_quantity(Model& model, const Visit& visit) {
 
 Model narrowed(Model model, std::uint32_t parameter, const Enclosure& range) {
   Parameter& narrow = model.parameters[parameter];
-  // What the reader asks of the ends of a range holds of its parts.
+  // The reader's requirements on the ends of a range are valid for its parts.
   if (!(range.lo <= range.hi) || !narrow.range.contains(range.lo) || !narrow.range.contains(range.hi)) {
     throw Error(ErrorKind::input, fmt::format("`range`: {}={},{} is not within the file's range [{}, {}]", narrow.name,
                                               range.lo, range.hi, narrow.range.lo, narrow.range.hi));

@@ -1,4 +1,4 @@
-/// This file implements stance_comparison.hpp.
+/// This file implements the comparison with the paper and the samples of stance_results.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,8 +28,8 @@ enum Reconstructed : unsigned {
   none = 0,
   gravity = 1,
   legs = 2,          ///< their mass, 30.82 kg
-  feet = 4,          ///< their place: with the pelvis's frame, the legs' first moment of mass, 1.3865 kg m
-  femur = 8,         ///< its mass, 10.34 kg
+  feet = 4,          ///< place of the feet: with the pelvis's frame, the legs' first moment of mass, 1.3865 kg m
+  femur = 8,         ///< mass of the femur, 10.34 kg
   hips = 16,         ///< 0.0795 m to each side
   pelvis_frame = 32  ///< 0.05 m behind the reference point
 };
@@ -51,7 +51,7 @@ std::vector<std::string_view> names_of(unsigned constants) {
   return names;
 }
 
-/// What the paper prints, and what the audit says it should have printed.
+/// The value that the paper prints, and the value that, by the audit, it should have printed.
 struct Printed {
   std::optional<Hundredths> cell;
   std::optional<Hundredths> corrected = {};
@@ -168,8 +168,9 @@ std::uint32_t parameter(const Model& model, std::string_view name) {
   return static_cast<std::uint32_t>(found - model.parameters.begin());
 }
 
-/// A sensitivity's magnitude as the paper rounds it before it multiplies: up to the second digit. What binary64 makes
-/// of decimals (9.81 is 9.8100000000000005) must not lift it: this repeats the paper's arithmetic and proves nothing.
+/// A sensitivity's magnitude as the paper rounds it before it multiplies: up to the second digit. The rounding of
+/// decimals to binary64 (9.81 is 9.8100000000000005) must not raise it. This repeats the paper's arithmetic and proves
+/// nothing.
 double printed_magnitude(const Enclosure& sensitivity) {
   constexpr double forgiven = 1e-6;  // hundredths
   const double magnitude = std::max(std::abs(sensitivity.lo), std::abs(sensitivity.hi));
@@ -275,7 +276,7 @@ std::vector<double> nominal_values(const Model& model) {
   return values;
 }
 
-/// What the threads share.
+/// The data that the threads share.
 class Collection {
  public:
   Collection(std::size_t components, const SampleOptions& options) : options_(options) {
@@ -378,7 +379,7 @@ Samples take_samples(const Model& model, UncertainSet uncertain, const Sampled& 
   const Sampler sampler(model, uncertain, sampled);
   Collection collection(sampled.claimed.size(), options);
   const std::uint64_t chunks = options.count / chunk_size + (options.count % chunk_size > 0 ? 1 : 0);
-  // In blocks: once it is ended, no more than a block of chunks is left to be passed over.
+  // In blocks: once the work is ended, no more than a block of chunks must be skipped.
   constexpr std::uint64_t block = 4096;
   for (std::uint64_t first = 0; first < chunks && !collection.ended(); first += std::min(block, chunks - first)) {
     in_parallel(std::min(block, chunks - first), [&](std::size_t i) {

@@ -1,4 +1,4 @@
-/// This file implements stance_pictures.hpp.
+/// This file implements the pictures and tables of stance_results.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 namespace verisq::stance {
 namespace {
 
-/// "pelvis tx" as a word of a header: no commas of its own, and no sign that makes a formula of it in a spreadsheet.
+/// "pelvis tx" as a word of a header: without commas of its own, and without a sign that makes it a formula in a
+/// spreadsheet.
 std::string column_name(const std::string& name, const char* quantity) {
   std::string word = name + "_" + quantity;
   std::ranges::replace_if(
@@ -44,9 +45,9 @@ struct ShownRange {
   [[nodiscard]] bool is_cut() const { return all.lo < shown.lo || all.hi > shown.hi; }
 };
 
-/// Where a motion opens, its last enclosures grow beyond all measure and would flatten the curve before them. The
-/// tightest enclosures of nine tenths of the time set the scale; an end that is more than 20 times their span away is
-/// cut off. `report/stance/chart.js` does the same.
+/// If a motion opens, its last enclosures grow beyond all measure and would flatten the curve before them. The tightest
+/// enclosures of nine tenths of the time set the scale; an end that is more than 20 times their span away is cut off.
+/// `report/stance/chart.js` does the same.
 ShownRange shown_range(const Motion& motion, const PlottedQuantity& of) {
   constexpr double share_of_time = 0.9;
   constexpr double farthest = 20.0;
@@ -191,7 +192,7 @@ Meaning meaning(StabilityVerdict verdict) {
   return unknown;
 }
 
-/// From a parameter's range, which the cells fill, to pixels.
+/// A map from a parameter's range, which the cells fill, to pixels.
 struct Axis {
   Enclosure range;
 

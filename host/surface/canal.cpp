@@ -31,7 +31,7 @@ using BoneSide = CGAL::Side_of_triangle_mesh<CgalMesh, surface::Kernel, CGAL::De
 
 constexpr double samples_of_longest_side = 200.0;
 
-/// A mesh and what finds its nearest triangle; stays where it is, for the tree points to the mesh.
+/// A mesh and a search tree for its nearest triangle; it must not be moved, because the tree points to the mesh.
 class NearestTriangle {
  public:
   explicit NearestTriangle(const Mesh& mesh)
@@ -52,7 +52,7 @@ class NearestTriangle {
 
 struct ClosedBone {
   Mesh mesh;
-  std::size_t rims;  ///< that fans close
+  std::size_t rims;  ///< number of rims that fans close
 };
 
 /// Throws Error(input) where the mesh is no surface.
@@ -69,7 +69,7 @@ ClosedBone closed_over_rims(const Mesh& mesh) {
   return {std::move(closed), closing.rims};
 }
 
-/// The cortex begins at the bone's own triangles; inside is what these and the fans over its rims enclose.
+/// The cortex begins at the bone's own triangles; the inside is enclosed by these and the fans over its rims.
 class BoneDepth {
  public:
   BoneDepth(const Mesh& bone, const ClosedBone& closed) : outer_(bone), solid_(closed.mesh) {
@@ -79,7 +79,7 @@ class BoneDepth {
   }
 
   /// How much farther than `thickness` x lies from the bone's triangles, if it lies inside; negative in the cortex and
-  /// outside. Where it is d > 0 or -d < 0, it keeps its sign as far as x and the thickness change by less than d.
+  /// outside. If the value is d > 0 or -d < 0, it keeps its sign as long as x and the thickness change by less than d.
   [[nodiscard]] double beyond_cortex(const Point& x, double thickness) const {
     const double to_solid = solid_.distance(x);
     if ((*side_)({x[0], x[1], x[2]}) == CGAL::ON_UNBOUNDED_SIDE) return -to_solid;
@@ -134,13 +134,13 @@ surface::GridSamples grid_around(const Extent& extent, double spacing) {
   return grid;
 }
 
-/// Samples cubes of the lattice, each first in its middle: what that says of all of the cube and its neighbours, they
-/// are not asked for.
+/// Samples cubes of the lattice, each first in its middle. If the middle decides all of the cube and its neighbours,
+/// their samples are skipped.
 class CubeSampler {
  public:
   CubeSampler(const BoneDepth& bone, const CorticalThickness& thickness, surface::GridSamples& grid)
       : bone_(bone), thickness_(thickness), grid_(grid), spacing_(grid.steps[0][0]) {
-    // From the middle to a corner, and a step of the lattice farther, where a neighbour may be.
+    // The distance from the middle to a corner, and a step of the lattice farther, where a neighbour may be.
     const double reach = spacing_ * std::numbers::sqrt3 * (static_cast<double>(side - 1) / 2.0 + 1.0);
     surely_ = (1.0 + slope_of(thickness)) * reach;
   }

@@ -84,7 +84,8 @@ class Marcher {
     mesh_.triangles.push_back(positive ? std::array{a, b, c} : std::array{a, c, b});
   }
 
-  /// On the edge between two corners of the cell, of which one is inside: one vertex for all cells that share it.
+  /// The vertex on the edge between two corners of the cell, of which one is inside: one vertex for all cells that
+  /// share the edge.
   std::uint32_t vertex(const Place& cell, std::size_t one, std::size_t other) {
     const std::size_t low = std::min(one, other);
     const Place from = corner(cell, low);

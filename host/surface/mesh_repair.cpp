@@ -40,7 +40,7 @@ LargestPart largest_part(const Mesh& mesh) {
   std::unordered_map<std::uint32_t, double> areas;
   for (const auto& [a, b, c] : mesh.triangles)
     areas[part[a]] += area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
-  // Of equal ones the first vertex decides, not the order of the table.
+  // Among equal ones the first vertex decides, not the order of the table.
   const auto largest = std::ranges::max_element(areas, [](const auto& one, const auto& other) {
     return one.second < other.second || (one.second == other.second && one.first > other.first);
   });
@@ -75,7 +75,7 @@ void fill(CgalMesh& mesh, Border border, bool delaunay) {
                                                CGAL::parameters::use_delaunay_triangulation(delaunay));
 }
 
-/// Whether that succeeded.
+/// Returns whether the hole was filled.
 bool fill(CgalMesh& mesh, Border border) {
   const std::size_t edges = CGAL::halfedges_around_face(border, mesh).size();
   fill(mesh, border, true);
@@ -143,7 +143,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 struct Edges {
   std::vector<Edge> all;        ///< once each
-  std::vector<bool> on_border;  ///< of each vertex
+  std::vector<bool> on_border;  ///< for each vertex
 };
 
 Edges edges_of(const Mesh& mesh) {

@@ -144,8 +144,8 @@ double volume(const Tetrahedra& tetrahedra, std::size_t k) {
          6.0;
 }
 
-/// All tetrahedra that paths through facets reach from `start` without leaving those of `solid` or, where that is
-/// false, without entering them; marks them in `reached`.
+/// All tetrahedra that paths through facets reach from `start` without leaving those of `solid`; if `start` is not in
+/// `solid`, without entering them. Marks them in `reached`.
 std::vector<std::uint32_t> flood(const Tetrahedra& tetrahedra, const Solid& solid, std::uint32_t start,
                                  Solid& reached) {
   std::vector<std::uint32_t> found{start};
@@ -191,7 +191,7 @@ Solid largest_component(const Tetrahedra& tetrahedra, const Solid& solid) {
   return result;
 }
 
-/// Of each of `vertices` the tetrahedron of the smallest circumradius that is not in the solid.
+/// For each of `vertices`: the tetrahedron of the smallest circumradius that is not in the solid.
 std::vector<std::uint32_t> smallest_outside(const Tetrahedra& tetrahedra, const Solid& solid,
                                             const std::vector<std::uint32_t>& vertices) {
   std::map<std::uint32_t, std::optional<std::uint32_t>> smallest;
@@ -292,7 +292,7 @@ Tetrahedra tetrahedra_of(const Shape& shape) {
 }
 
 /// At alphas below that of the solid, a sampled surface becomes a shell whose two sides are joined by holes. Its volume
-/// is far below that of the next alphas, where the holes close.
+/// is far below that at the next alphas, where the holes close.
 bool is_solid(const Tetrahedra& tetrahedra, const Solid& solid, const Solid& next) {
   constexpr double plateau = 1.1;
   return volume(tetrahedra, next) <= plateau * volume(tetrahedra, solid) &&
@@ -357,7 +357,7 @@ constexpr double coarsest = 20.0;  ///< diagonal / alpha: bridges the gaps of an
 constexpr int most_refinements = 4;
 constexpr double offset_ratio = 100.0;  ///< alpha / offset
 
-/// Balls that get in through a gap carve the inside out: what is left is a shell around the input.
+/// Balls that enter through a gap carve out the inside: the rest is a shell around the input.
 bool breaks_through(const Mesh& finer, const Mesh& coarser) {
   constexpr double least_volume_kept = 0.85;
   const MeshTopology fine = mesh_topology(finer);

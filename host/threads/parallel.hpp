@@ -82,7 +82,7 @@ struct Piece {
   return result;
 }
 
-// An interruption that the calling thread alone asks about, and all threads see.
+// An interruption for which only the calling thread polls, and which all threads see.
 
 /// `asked` is called by one thread only: the one that made this, or that called `begin_anew` last.
 class SeenInterruption {

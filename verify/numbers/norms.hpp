@@ -183,11 +183,11 @@ struct NormExpansion {
 };
 
 /// ‖( ‖(w1 v1, w2 v2)‖_q2 , w3 v3 )‖_q1 and its derivatives: the support function has the semi-axes as weights, the
-/// gauge their reciprocals (docs/mathematics.md §1). What a taper makes of both stands in §18; with one, v is a vector
-/// of the frame whose origin is the focus. Over a box the intervals contain the values of all its points; they are
-/// unbounded, or std::domain_error is thrown, where a component with q < 2 may vanish, or two components at once.
+/// gauge their reciprocals (docs/mathematics.md §1). §18 gives the effect of a taper on both; with a taper, v is a
+/// vector of the frame whose origin is the focus. Over a box the intervals contain the values of all its points. They
+/// are unbounded, or std::domain_error is thrown, if a component with q < 2 may vanish, or two components at once.
 /// Floating-point results are proposals: exponents are kept away from 0 and 2, where the solid has edges or flat faces,
-/// and zero components are replaced by tiny ones in the Hessian.
+/// and tiny numbers replace zero components in the Hessian.
 template <class Number>
 class NormFunction {
  public:
@@ -274,8 +274,8 @@ class NormFunction {
     return g;
   }
 
-  /// (1 - k²) τ(v) with M(u) = τ, u = v + (0, 0, k τ/a3): with D = 1 - (k/a3) ∂M/∂u_z the gradient p of τ is that of M
-  /// divided by D, du = J dv with J = I + (k/a3) e3 p^T, and the Hessian of τ is J^T D²M J / D.
+  /// (1 - k²) τ(v) with M(u) = τ, u = v + (0, 0, k τ/a3). With D = 1 - (k/a3) ∂M/∂u_z, the gradient p of τ is the
+  /// gradient of M divided by D, and du = J dv with J = I + (k/a3) e3 p^T. The Hessian of τ is J^T D²M J / D.
   [[nodiscard]] NormExpansion<Number> tapered_support(const Vector& v) const {
     const Number root = root_at(v);
     Vector u = v;

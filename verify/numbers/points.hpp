@@ -36,11 +36,11 @@ namespace verisq::verify {
 // The length of a vector of binary64 numbers, with a bound of its error that rests on correctly rounded operations
 // alone.
 
-/// Within 2^-50 of the Euclidean length, relatively, and 2^-1074; NaN or infinity where a component is, or on overflow.
-/// Not std::hypot, whose accuracy is each library's own. With u = 2^-53 and quotients by the largest component m, of
-/// which one is 1: each quotient rounds by u, its square by u more, two sums by u each, so that their root is off by
+/// Within 2^-50 of the Euclidean length, relatively, and 2^-1074; NaN or infinity if a component is, or on overflow.
+/// Not std::hypot, whose accuracy depends on the library. Let u = 2^-53, and take quotients by the largest component m,
+/// one of which is 1. Each quotient rounds by u, its square by u more, two sums by u each, so that their root is off by
 /// 5u/2; root and product round by u each. These 9u/2 < 2^-50 leave room for the products of errors and for the squares
-/// that underflow beside 1; a subnormal product rounds by 2^-1075.
+/// that underflow beside 1. A subnormal product rounds by 2^-1075.
 [[nodiscard]] inline double length(double x, double y, double z) {
   const double m = std::max({std::fabs(x), std::fabs(y), std::fabs(z)});
   if (m == 0.0) return x + y + z;  // 0, or NaN
@@ -60,12 +60,13 @@ template <std::size_t N>
   return std::ilogb(largest);
 }
 
-/// The same direction with its largest component in [1, 2), whose square can neither overflow nor vanish.
+/// The same direction, scaled so that its largest component lies in [1, 2); the square of that can neither overflow nor
+/// vanish.
 ///
 /// A power of two changes no digit of a number that stays normal. Here no number gets larger than 2, so that none
-/// overflows. What falls below 2^-1022 is rounded by at most 2^-1075, beside a component of at least 1: the direction
-/// turns by less than 2^-1073, far less than a single rounding of any square, product or root changes.
-/// Precondition: finite, not all are 0.
+/// overflows. A number below 2^-1022 is rounded by at most 2^-1075, beside a component of at least 1. So the direction
+/// turns by less than 2^-1073, far less than by a single rounding of any square, product or root. Precondition: finite,
+/// not all are 0.
 template <std::size_t N>
 [[nodiscard]] std::array<double, N> near_one(const std::array<double, N>& numbers) {
   std::array<double, N> scaled{};

@@ -14,7 +14,7 @@ namespace {
 /// Below this the residual of a product or quotient of 53-bit numbers may itself underflow (2^-1022 * 2^53 = 2^-969).
 constexpr double kResidualIsExactAbove = 0x1p-960;
 
-/// Moves the rounded result one step where the sign of (exact - rounded) says that it lies on the wrong side.
+/// Moves the rounded result one step if the sign of (exact - rounded) shows that it lies on the wrong side.
 double correct(double rounded, double residual, Direction direction) {
   if (direction == Direction::down && residual < 0.0) return std::nextafter(rounded, -infinity);
   if (direction == Direction::up && residual > 0.0) return std::nextafter(rounded, infinity);
@@ -59,8 +59,8 @@ double multiply(double a, double b, Direction direction) {
   if (!std::isfinite(product)) return std::isfinite(a) && std::isfinite(b) ? overflowed(product, direction) : product;
   if (std::fabs(product) > kResidualIsExactAbove) return correct(product, std::fma(a, b, -product), direction);
   // The same residual, scaled into the normal range. `product` scales exactly (upwards) and lies within a factor of two
-  // of the exact product or is zero, so that the difference of the leading parts is exact; the sign of the final sum of
-  // two numbers is exact because nothing underflows here.
+  // of the exact product or is zero. So the difference of the leading parts is exact. The sign of the final sum of two
+  // numbers is exact because nothing underflows here.
   const Scaled x = scaled(a);
   const Scaled y = scaled(b);
   const double leading = x.mantissa * y.mantissa;

@@ -57,7 +57,7 @@ void ClearanceSum::Distances::add(const Enclosure& distance) {
   upper.push_back(distance.hi);
 }
 
-/// Ranks rise with every number that they are of: that of the lower ends is no more than that of the distances.
+/// Ranks rise with each of their numbers: the rank of the lower ends is no more than that of the distances.
 void ClearanceSum::Distances::tell(AreaClearance& area) const {
   if (lower.empty()) return;
   area.mean_distance = rounded_outward(sum / PreciseInterval(Real(static_cast<double>(lower.size()))));

@@ -96,7 +96,7 @@ class BallProof {
     for (Float margin = kMargin; margin < 1; margin *= 8) {
       const Float reach = proposed::exit(solid_, nearest_q_, direction, 1 - margin);
       const PreciseVector d = precise(direction) * PreciseInterval(Real(reach));
-      // Corners behind q would span no cone about the direction: the lemma asks for reach >= 0.
+      // Corners behind q would span no cone about the direction: the lemma requires reach >= 0.
       if (std::isfinite(reach) && reach >= 0 && inside(d)) return {direction, d, midpoint(d)};
     }
     return {direction, precise(Proposal{}), {}};

@@ -32,7 +32,7 @@ class Nerve {
   void add(const Four& common);
 
   /// True proves that the union of the bodies has no cavity: the nerve has no more cycles of three than boundaries of
-  /// four. False says nothing.
+  /// four. False proves nothing.
   [[nodiscard]] bool is_without_cavities() const { return filled_() == cycles_; }
 
  private:
@@ -60,12 +60,12 @@ class Nerve {
 };
 
 /// True proves that the union of the primitives has no cavity: no bounded space that it surrounds and does not contain.
-/// False says nothing. Several primitives, one of them bent, and an interruption give false.
+/// False proves nothing. Several primitives, one of them bent, and an interruption give false.
 [[nodiscard]] bool is_without_cavities(std::span<const Primitive> primitives, const ContainmentCertificate& certificate,
                                        const std::function<bool()>& interrupted);
 
 /// True proves that every point of the triangle lies in one of the convex bodies: the triangle is halved until a body
-/// contains all three corners of each piece. False says nothing. Precondition: finite corners.
+/// contains all three corners of each piece. False proves nothing. Precondition: finite corners.
 [[nodiscard]] bool lies_in_union(const Triangle& triangle, std::span<const PosedSuperquadric> bodies,
                                  const std::function<bool()>& interrupted);
 

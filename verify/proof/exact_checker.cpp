@@ -58,7 +58,7 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
   return of_primitives > 0.0 || primitives.size() == 1 ? of_primitives : -infinity;
 }
 
-/// The union of all primitives, where the model says nothing else.
+/// The model's set operations, or the union of all primitives if it has none.
 SetExpression set_of(const Model& model) {
   if (model.csg) return *model.csg;
   SetExpression all;

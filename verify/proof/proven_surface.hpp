@@ -103,8 +103,8 @@ class SampleTally {
   std::atomic<std::uint64_t> unproved_{0};
 };
 
-// Patches that somebody proposes to cover the surface of a model's primitives, and where each is proven to lie
-// (docs/mathematics.md §20).
+// Proposed patches that cover the surface of a model's primitives, and the proven place of each (docs/mathematics.md
+// §20).
 
 /// The proven enclosure of the signed distance at a finite point, whatever is claimed.
 using ProvenSignedDistance = std::function<Enclosure(const Point& x, const CertifiedEnclosure& claimed)>;
@@ -153,7 +153,7 @@ struct CoveredSurface {
 struct ProvenSurface {
   Enclosure largest{0.0, infinity};  ///< by patches no closer than `within`; only the lower end is proven if a patch is
                                      ///< missing
-  AreaStatistics statistics = {};    ///< as far as patches say where they lie; of fewer percentiles, or none
+  AreaStatistics statistics = {};    ///< as far as the patches' places are proven; with fewer percentiles, or none
 };
 
 /// Mean and percentiles as `options` ask for them. Precondition: at least one triangle, finite.

@@ -44,7 +44,7 @@ double quartering_error(const Triangle& whole) {
   return 0x1p-47 * largest_coordinate(whole) + std::numeric_limits<double>::min();
 }
 
-/// Differences round by 2^-53 of themselves, their length by 2^-50 (length.hpp): together less than 2^-48.
+/// Differences round by 2^-53 of themselves, their length by 2^-50 (points.hpp): together less than 2^-48.
 double distance_in_binary64_up(const Point& a, const Point& b) {
   return length(a[0] - b[0], a[1] - b[1], a[2] - b[2]) * (1.0 + 0x1p-48) + std::numeric_limits<double>::min();
 }

@@ -24,8 +24,8 @@ struct Weights {
   double c;
 };
 
-/// Ericson, Real-Time Collision Detection (2005), 5.1.5: which of the corners, edges and the face is nearest. Whatever
-/// it says, NaN included, is clamped into the triangle.
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: finds which of the corners, edges and the face is nearest.
+/// Every result, NaN included, is clamped into the triangle.
 Weights near_weights(const Point& p, const Triangle& triangle) {
   const Point ab = difference(triangle[1], triangle[0]);
   const Point ac = difference(triangle[2], triangle[0]);

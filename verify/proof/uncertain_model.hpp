@@ -49,14 +49,15 @@ template <class Make>
 
 // From distances to the bracketing models to bounds that are valid for every member of an uncertain model.
 
-/// Bounds of the distances of every point within `point_radius` of the one asked for (of every triangle whose corners
-/// are) to every member, rounded outward; why they hold is said at Bracket. Distances are 1-Lipschitz: each bound is
+/// Bounds of the distances of every point within `point_radius` of the given one (of every triangle whose corners are)
+/// to every member, rounded outward. Bracket states why they are valid. Distances are 1-Lipschitz: each bound is
 /// widened by the radius last.
 ///
-/// Or of the distances of every member of A to every member of B, the bracketing models being pairs of `smallest` and
-/// of `largest`. The distance of unions is the least of their primitives', overlapping or not, and a rigid motion of B
-/// moves its primitives' shifts along. Of two primitives K of A and L of B: smaller ones are at least as far apart,
-/// larger ones at most; moving K by at most shift_a and L by at most shift_b changes their distance by at most the sum.
+/// Or bounds of the distances of every member of A to every member of B; the bracketing models are then pairs of
+/// `smallest` and of `largest`. The distance of unions is the least of their primitives' distances, overlapping or not,
+/// and a rigid motion of B moves its primitives' shifts along. Let K be a primitive of A, L one of B. Smaller ones are
+/// at least as far apart, larger ones at most. Moving K by at most shift_a and L by at most shift_b changes their
+/// distance by at most the sum.
 class MemberBounds {
  public:
   /// Precondition: `point_radius` is finite and at least 0.

@@ -405,7 +405,7 @@ class Walk {
   }
 
  private:
-  /// False where the letter says nothing of such a piece.
+  /// False if the letter proves nothing for such a piece.
   [[nodiscard]] bool take(WayCell letter, const WayPiece& piece) {
     switch (letter) {
       case WayCell::by_vertices: least_ = std::min(least_, pieces_.least_on(piece, at_vertices_)); return true;

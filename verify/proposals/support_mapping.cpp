@@ -23,7 +23,8 @@ Float norm_of_two(Float x, Float y, Float p) {
 
 }  // namespace
 
-// Beyond p = 2e12 binary64 no longer tells the norm of equal coordinates from their maximum, nor one normal from two.
+// Beyond p = 2e12 binary64 cannot distinguish the norm of equal coordinates from their maximum, nor one normal from
+// two.
 template <class Float>
 Boundary<Float>::Boundary(const Superquadric& solid)
     : semi_axes_{solid.semi_axes[0], solid.semi_axes[1], solid.semi_axes[2]},

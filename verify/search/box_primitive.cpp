@@ -261,7 +261,7 @@ Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, d
   return own_frame.unbent(range(posed, half_width));
 }
 
-/// Cheap bounds first: max <= g <= sum of the |coordinates| / semi-axes. A gauge in plain floating point then tells
+/// Cheap bounds first: max <= g <= sum of the |coordinates| / semi-axes. A gauge in plain floating point then decides
 /// which of the two proofs is worth its powers.
 Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
   constexpr double doubt = 1e-9;

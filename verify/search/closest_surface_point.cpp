@@ -67,7 +67,7 @@ class DirectionCover {
   }
 
  private:
-  /// A vector about normal to the face of three points, towards it, with the signs that the lemma asks for.
+  /// A vector about normal to the face of three points, towards it, with the signs that the lemma requires.
   [[nodiscard]] PreciseVector axis_of(const WideVector& a, const WideVector& b, const WideVector& c) const {
     WideVector foot = closest_to_origin(a, b, c);
     const std::size_t folded = bounds_.is_tapered() ? 2 : 3;

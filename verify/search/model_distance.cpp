@@ -50,7 +50,7 @@ double between_centres(const Sphere& a, const Sphere& b) {
 
 /// The rounding error of lengths computed from two spheres. With u = 2^-53 and s the sum of both sizes: beyond the
 /// widths of the enclosures, centres and radii are rounded by 2 u s in all, differences by u s. The length of three of
-/// them is rounded by 8 u s (length.hpp), the sum with the radii by 2 u s, and this sum by less than the amount that it
+/// them is rounded by 8 u s (points.hpp), the sum with the radii by 2 u s, and this sum by less than the amount that it
 /// adds: less than 2^5 u s. Subnormal numbers round by less than the last term.
 double rounding_error(const Sphere& a, const Sphere& b) {
   return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
@@ -116,7 +116,7 @@ Placement placement_of(const PosedPairs& pairs, std::size_t j) {
 // of R' - R is at most the root of the sum of its squared entries. With u = 2^-53, s = |c|_1 + r of either placement
 // and S the sum of both: beyond the widths, coordinates and entries are rounded to binary64 by 2 u of themselves;
 // entries are at most 1. So c' - c is off by 3 u S and each of the nine entries of R' - R by 6 u, their root by 18 u.
-// length (length.hpp) adds 8 u S, and at most twice as much for the entries, whose three lengths have a length in turn:
+// length (points.hpp) adds 8 u S, and at most twice as much for the entries, whose three lengths have a length in turn:
 // 32 u in all. Times r these are less than 2^6 u S. The factor of the widths covers their own rounding. Subnormal
 // numbers round by less than the last term.
 double displacement_up(const Placement& from, const Placement& to) {
@@ -143,7 +143,7 @@ void PairMemory::look_at(const PosedPairs& pairs) {
 double PairMemory::lower(PrimitivePair pair) const {
   const Known& known = known_[place(pair)];
   if (!(known.lower > 0.0)) return 0.0;
-  // Rounded down; NaN, where numbers overflow, says nothing.
+  // Rounded down; NaN, if numbers overflow, proves nothing.
   const double left = std::nextafter(known.lower - displacement_up(known.at, now_[pair.b]), -infinity);
   return left > 0.0 ? left : 0.0;
 }

@@ -107,7 +107,7 @@ class SeparationProblem {
     return (v.dot(relative_.offset) - s.a.value - s.b.value) / v.norm();
   }
 
-  /// Damped Newton; `good` tells when the gap is closed.
+  /// Damped Newton's method; `good` decides when the gap is closed.
   template <class Good>
   [[nodiscard]] State minimise(const Vector<Float>& start, const Good& good) const {
     State s = at(start);
@@ -237,7 +237,7 @@ class MidpointProblem {
 };
 
 /// Returns whether support points jump from one direction to another. Then the derivatives of the support function are
-/// those of a nearby solid (norm_expansion.hpp).
+/// those of a nearby solid (norms.hpp).
 bool has_facets(const Superquadric& solid) {
   return solid.exponents[0] == 2.0 || solid.exponents[1] == 2.0;
 }

@@ -210,7 +210,7 @@ constexpr double finest_width = 0x1p-43;
 
 class PathSearch {
  public:
-  /// Reports and asks for interruptions after so many moments.
+  /// Reports, and polls for interruptions, after so many moments.
   PathSearch(const PosedPath& path, const PathMoments& moments, double tolerance, const PathDistanceOptions& options,
              std::uint64_t moments_between_reports)
       : path_(path),

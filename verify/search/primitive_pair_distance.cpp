@@ -247,7 +247,7 @@ void PrimitivePairDistance::add_planes(const Division& division, DividedSeparati
   certificate.planes.push_back({{normal[0], normal[1], normal[2]}, slope_a, slope_b});
 }
 
-/// Minus infinity where it says nothing, as where numbers overflow and intervals have none.
+/// Minus infinity if it proves nothing, for example if numbers overflow and intervals have none.
 double PrimitivePairDistance::lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
   try {
     return proven_by(direction, a, b);

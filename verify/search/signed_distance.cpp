@@ -1,4 +1,4 @@
-/// This file implements signed_distance.hpp.
+/// This file implements the signed distances of verisq/distance.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -48,7 +48,7 @@ class BoundedMotion {
   Point translation_;
 };
 
-// One solid refined into cubes as a search asks for them; each cube is evaluated once.
+// One solid refined into cubes on demand; each cube is evaluated once.
 
 /// A model made ready for searches. Immutable.
 struct SearchSolid {

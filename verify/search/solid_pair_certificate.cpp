@@ -116,7 +116,7 @@ double EnclosingBalls::lower_from(const SolidDistance& solid, std::span<const Ba
     for (const auto& [centre, radius] : about_one) {
       const auto [own, off] = locate(centre);
       const double lo = solid(own, tolerance, kNothingKnown, interrupted).lo;
-      // The search of pairs says that there is no solid.
+      // The search of pairs uses this number if there is no solid.
       if (lo == std::numeric_limits<double>::max()) return -infinity;
       greatest = std::max(greatest, subtract(subtract(lo, off, Direction::down), radius, Direction::down));
     }

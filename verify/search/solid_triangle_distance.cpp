@@ -353,7 +353,7 @@ struct TriangleSearch::State {
         search(model),
         checker(model) {}
 
-  /// Until the tolerance is reached, the budget spent, or `over` says so.
+  /// Works until the tolerance is reached, the budget spent, or `over` returns true.
   [[nodiscard]] verify::TriangleBranchAndBound searched(const Triangle& triangle, double tolerance,
                                                         const std::function<bool()>& over) const {
     verify::TriangleBranchAndBound result(triangle, extent, tolerance);

@@ -92,8 +92,8 @@ BasicInterval<T> BendMap<T>::height_magnitude(const Polar& polar) const {
   return polar_angle(polar.m, abs(polar.rise)) / abs(curvature_);
 }
 
-/// z = 2 Z / (W + m) * atan(tau) / tau with tau = tan(gamma / 2) = k Z / (W + m): also for k = 0, where m = 1. Beyond a
-/// quarter turn W + m cancels and the angle does not.
+/// z = 2 Z / (W + m) * atan(tau) / tau with tau = tan(gamma / 2) = k Z / (W + m), also for k = 0, where m = 1. Beyond a
+/// quarter turn W + m cancels, but the angle does not.
 template <class T>
 BasicInterval<T> BendMap<T>::height(const Polar& polar) const {
   const BasicInterval<T> sum = polar.distance + polar.m;

@@ -12,8 +12,9 @@ namespace verisq::verify {
 // (docs/mathematics.md §9).
 
 /// In the plane of the bend let R lie along its direction, m = 1 - k R and W = |(m, k Z)|. The bent point (R, S, Z) has
-/// the unbent coordinates r = (1 - W) / k, S, z = gamma / k with gamma the angle of (m, k Z). The half plane m <= 0,
-/// Z = 0 is the cut, where z jumps between -pi/k and pi/k; it has no point of an admissible solid. T is double or Real.
+/// the unbent coordinates r = (1 - W) / k, S, z = gamma / k, where gamma is the angle of (m, k Z). The half plane m <=
+/// 0, Z = 0 is the cut, where z jumps between -pi/k and pi/k; no point of an admissible solid lies in it. T is double
+/// or Real.
 template <class T>
 class BendMap {
  public:

@@ -24,7 +24,7 @@ enum class Colour : std::uint8_t {
 /// A primitive K, or the closure of its complement.
 enum class Side : std::uint8_t { inside, outside };
 
-/// {x : normal . (x - centre of the cube) <= offset}, the numbers taken as exact. An infinite offset says nothing.
+/// {x : normal . (x - centre of the cube) <= offset}, the numbers taken as exact. An infinite offset proves nothing.
 struct HalfSpace {
   Point normal;
   double offset;

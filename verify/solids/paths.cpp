@@ -353,7 +353,7 @@ PointBall RigidPath::local_point(const NearestPose& pose, const Point& c) {
 // As above: with reach r = |c|_1 + |t_begin|_1 + |t_end|_1, c - t(s) errs by at most 5 u r in all coordinates together.
 // A coordinate of its product with the spin errs by 8.1 u |w|_1 r, a coordinate of the sum with the velocity by 3 u
 // |v|_1 more. The vector errs by less than 16 u (|w|_1 r + |v|_1), and by spin_error r. The code adds twice that and
-// more; the factor 1 + 2^-49 covers the rounding of the length (length.hpp).
+// more; the factor 1 + 2^-49 covers the rounding of the length (points.hpp).
 double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   const auto& [start, v, w, spin_error, way_reach] = leg;
   Point d;

@@ -294,9 +294,9 @@ T SuperquadricBounds<T>::support(const Vector3<T>& v, Direction direction) const
   return tapered_support(of_section, v[2] * BasicInterval<T>(semi_axes_[2]), direction);
 }
 
-// With r the norm of the section and Z = a3 v_z, f(τ) = ‖(r, Z + k τ)‖ - τ falls, by at least 1 - |k| and at most
-// 1 + |k| times what τ rises by, because a norm of two numbers changes by no more than one of them does. So whatever τ
-// is, the root is at most τ + max(0, f) / (1 - |k|) and at least τ - max(0, -f) / (1 - |k|).
+// With r the norm of the section and Z = a3 v_z, consider f(τ) = ‖(r, Z + k τ)‖ - τ. If τ rises, f falls by at least 1
+// - |k| and at most 1 + |k| times as much, because a norm of two numbers changes by no more than one of them does. So
+// for any τ, the root is at most τ + max(0, f) / (1 - |k|) and at least τ - max(0, -f) / (1 - |k|).
 template <class T>
 T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const {
   // The error of the root costs its own size once.
