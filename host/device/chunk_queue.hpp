@@ -93,7 +93,7 @@ class Scale {
   [[nodiscard]] double to_model(double x) const { return x / factor_; }  ///< for numbers that prove nothing
   /// Rounded outward where it underflows or overflows.
   [[nodiscard]] Enclosure to_model(const Enclosure& e) const;
-  /// Converts all of them: by one multiplication for each end if that is exact, as it is but for extremes.
+  /// The same for all of them: by one multiplication for each end if that is exact, as it is but for extremes.
   void to_model(std::span<const double> los, std::span<const double> his, std::span<Enclosure> enclosures) const;
 
  private:

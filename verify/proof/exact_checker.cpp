@@ -24,7 +24,7 @@ Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// An upper end: `claimed` or less if it can be proven with v, else the least upper end that can be proven.
+/// An upper end: `claimed` or less if it can be proven with v, else an upper end that can be proven.
 double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed,
                  const Hook& interrupted) {
   return std::visit(

@@ -105,7 +105,7 @@ class MultipliersOfCorners {
     return std::nullopt;
   }
 
-  /// The system of the pair e in all these cuts and t in the hull of these corners; N = t - e is normal to both.
+  /// The solution for the pair of e in all these cuts and t in the hull of these corners; N = t - e is normal to both.
   [[nodiscard]] std::array<double, 5> of(unsigned corners, Indices cuts) const {
     const auto first = static_cast<std::size_t>(std::countr_zero(corners));
     LinearSystem system{{}, cuts.size()};

@@ -1,5 +1,5 @@
-/// The gauge of a primitive on a leg of its way, in floating point: the time at which it is least at a point, and the
-/// times when it rises. Proposes, proves nothing.
+/// The gauge of a primitive on a leg of its way, in floating point: the time at which it is least at a point, and its
+/// value and gradient at a time. Proposes, proves nothing.
 #pragma once
 
 #include <Eigen/Core>
