@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
