@@ -5,6 +5,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cstdint>
 #include <span>
+#include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
 

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -132,6 +134,13 @@ Mesh folded_and_crossing_in_corner() {
   return join(join(flat, moved(convex, 1.0, {2, 0, 0})), join(tetrahedron(), moved(leaning, 3.0, {})));
 }
 
+/// One within the other, turned alike, with a side in common: of its four triangles two have the solid on both sides.
+Mesh nested_in_side() {
+  Mesh inner = tetrahedron();
+  inner.vertices = {{0, 0, 0}, {1, 0, 0}, {0.25, 0.3125, 0.125}, {0.25, 0.125, 0.3125}};
+  return join(tetrahedron(), inner);
+}
+
 /// Around a circle, but the cross section is an eight.
 Mesh crossed_torus() {
   Mesh mesh = torus_mesh(2.0, 1.0, 24, 16);
@@ -169,6 +178,7 @@ std::vector<Scene> scenes() {
       {"touching_cubes", join(cube_mesh(2), moved(cube_mesh(2), 1.0, {1, 0, 0}))},
       {"touching_in_side", join(tetrahedron(), stretched(tetrahedron(), {-1, -1, 1}))},
       {"touching_in_corner", join(tetrahedron(), turned(stretched(tetrahedron(), {-1, -1, -1})))},
+      {"nested_in_side", nested_in_side()},
       {"folded", folded_and_crossing_in_corner()},
       {"degenerate", tetrahedron_with_degenerate()},
       {"far_away", moved(star_mesh(2, 2), 1e-3, {1e9, -1e9, 1e9})},
