@@ -54,7 +54,7 @@ Projection SuperquadricProjection::from_inside(const Vector3d& q) const {
 
 Projection SuperquadricProjection::proven(const Vector3d& q) const {
   const double tolerance = kProofTolerance * std::ranges::max(solid_.semi_axes);
-  const verify::CertifiedDistance found =
+  const verify::PrimitiveDistance found =
       verify::ConvexPrimitive({"", solid_, {}, {}}).signed_distance({q[0], q[1], q[2]}, tolerance);
   const Vector3d direction(static_cast<double>(found.direction[0]), static_cast<double>(found.direction[1]),
                            static_cast<double>(found.direction[2]));
