@@ -13,9 +13,24 @@
 #include <verisq/files.hpp>
 
 #include "python/module/module.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<Finding> = 2;
+template <>
+inline constexpr std::size_t member_count<JudgedClaim> = 6;
+
+/// An answer is pickled as the text of its file.
+template <>
+struct Packing<Answer> {
+  static pybind11::object packed(const Answer& value) { return pybind11::str(text_of(value, "pickled answer")); }
+  static Answer unpacked(const pybind11::handle& state) {
+    return parse_answer(state.cast<std::string>(), "pickled answer");
+  }
+};
 
 std::string units_of(const std::vector<std::filesystem::path>& models) {
   for (const std::filesystem::path& model : models)
@@ -119,7 +134,8 @@ void declare_claims(py::module_& module) {
           "verdict", [](const JudgedClaim& self) { return std::string(to_string(self.finding.verdict)); },
           "\"proved\", \"refuted\" or \"unproved\".")
       .def_readonly("is_unbounded", &JudgedClaim::is_unbounded, "Whether it claims nothing on a side.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<JudgedClaim>());
 }
 
 constexpr const char* files_in_words =
@@ -159,11 +175,7 @@ void declare_answers(py::module_& module) {
                              "Which files it is about: \"models\", \"mesh\", \"within\", each by name and SHA-256.")
       .def("__repr__",
            [](const PythonAnswer& self) { return fmt::format("<verisq.Answer: {}>", kind_of(self.answer)); })
-      .def(py::pickle(
-          [](const PythonAnswer& self) { return py::make_tuple(text_of(self.answer, "pickled answer")); },
-          [](const py::tuple& state) {
-            return PythonAnswer{parse_answer(state[0].cast<std::string>(), "pickled answer"), "pickled answer"};
-          }));
+      .def(pickled<PythonAnswer>());
   arguments(answer, "check", check,
             "check(*, models=None, mesh=None, within=None, map=None, surface_map=None) -> list[Claim]\n\n"
             "Proves every claim again, by MPFR and the certificate alone.\n");

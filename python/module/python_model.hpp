@@ -88,6 +88,8 @@ struct PythonMesh {
 struct PythonAnswer {
   Answer answer;
   std::string name = "answer";  ///< stands for its file in messages
+
+  static constexpr std::size_t members = 2;
 };
 
 /// The units that the first of these model files names; "" where none does. Throws Error(input).

@@ -74,8 +74,10 @@ def one_of_each():
     deviation = verisq.deviation(model, mesh, device="host", relative_tolerance=0.5)
     proven = verisq.certified_deviation(model, mesh, device="host", relative_tolerance=0.5, statistics_of_model=True)
     stance = verisq.StanceModel.load(EXAMPLES / "standing.xml")
-    features = verisq.femur_features({"head_centre": [0, 40, 40], "neck_centre": [0, 20, 20], "shaft_proximal": [0, 0, 0],
-                                      "shaft_distal": [0, 0, -300]}, "left", landmark_radius=1.0)
+    landmarks = {"head_centre": [0, 40, 40], "neck_centre": [0, 20, 20], "shaft_proximal": [0, 0, 0],
+                 "shaft_distal": [0, 0, -300]}
+    features = verisq.femur_features(landmarks, "left", landmark_radius=1.0)
+    answer = features.answer(landmarks, "left", landmark_radius=1.0)
     recovery = verisq.recover(cloud)
     fit = small_fit()
     pair = verisq.distance(model, model, [20, 0, 0, 1, 0, 0, 0])
@@ -94,7 +96,7 @@ def one_of_each():
         verisq.certified_removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.certified_equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),
         stance.bounce(stance.cylinders[0], uncertain=[]), verisq.PoseUncertainty(0.5, 0.5, (0, 0, 1), 16),
-        features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound, fit.certified_bound,
+        answer, answer.check()[0], features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound, fit.certified_bound,
         fit.certified_contact,
         fit.areas[0], fit.conditions[0], fit.contact["contact"], rival_fit().finalists[0], femur(), *verisq.devices()[:1],
     ]
