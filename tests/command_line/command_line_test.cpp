@@ -623,8 +623,10 @@ TEST_F(CommandLine, SaysWhatIsWrongWithPointsAndPoses) {
 
 TEST_F(CommandLine, SaysWhichFileIsInAnothersPlace) {
   const auto mesh = write("mesh.off", tetrahedron);
+  // A mesh may be the model of a map; what it cannot be is told by the other file, or the other command.
   expect_refused(map({"--model", mesh, "--mesh", ball, "-o", path("map.csv")}),
-                 {"mesh.off: begins with 'OFF': no JSON, which models"});
+                 {"unknown mesh format '.json'", "a model goes elsewhere"});
+  expect_refused(run({"octree", "--model", mesh, "-o", path("octree.vtu")}), {"mesh.off: is a mesh"});
   expect_refused(map({"--model", ball, "--mesh", ball, "-o", path("map.csv")}),
                  {"unknown mesh format '.json'", "a model goes elsewhere"});
   expect_refused(map({"--model", ball, "--model", ball, "--mesh", mesh, "-o", path("map.csv")}),
