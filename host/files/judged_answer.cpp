@@ -376,24 +376,26 @@ class Judge {
     return file;
   }
 
-  std::string model_file(std::size_t i, std::size_t expected) const {
+  [[nodiscard]] std::string model_file(std::size_t i, std::size_t expected) const {
     if (files_.models.size() != expected)
       refuse(fmt::format("{}: is about {} models: give each, in its order, not {}", name_, expected,
                          files_.models.size()));
     return files_.models[i].string();
   }
 
-  Model one_model(const SubjectFile& expected, std::size_t i = 0, std::size_t of = 1) const {
+  [[nodiscard]] Model one_model(const SubjectFile& expected, std::size_t i = 0, std::size_t of = 1) const {
     return subject_model(model_file(i, of), expected, name_);
   }
-  std::array<Model, 2> two_models(const std::array<SubjectFile, 2>& expected) const {
+  [[nodiscard]] std::array<Model, 2> two_models(const std::array<SubjectFile, 2>& expected) const {
     return {one_model(expected[0], 0, 2), one_model(expected[1], 1, 2)};
   }
-  Model moved_model(const std::optional<Pose>& pose, const SubjectFile& expected) const {
+  [[nodiscard]] Model moved_model(const std::optional<Pose>& pose, const SubjectFile& expected) const {
     const Model model = one_model(expected);
     return pose ? posed(model, *pose) : model;
   }
-  Mesh mesh(const SubjectFile& expected) const { return subject_mesh(given(files_.mesh, "mesh"), expected, name_); }
+  [[nodiscard]] Mesh mesh(const SubjectFile& expected) const {
+    return subject_mesh(given(files_.mesh, "mesh"), expected, name_);
+  }
 
   void refuse_other_count(const StatedTerms& terms, const Mesh& bone) const {
     if (points_of(terms) == bone.vertices.size()) return;
@@ -402,7 +404,7 @@ class Judge {
   }
 
   /// After an interruption nothing is said: a verdict may be of half the work.
-  JudgedAnswer ended(std::vector<JudgedClaim> claims) const {
+  [[nodiscard]] JudgedAnswer ended(std::vector<JudgedClaim> claims) const {
     const bool interrupted = options_.interrupted();
     return {interrupted ? std::vector<JudgedClaim>() : std::move(claims), 0, 0, interrupted};
   }
@@ -412,9 +414,11 @@ class Judge {
   std::vector<Enclosure> proven_rows(const std::filesystem::path& file, MapElements kind, const Model& model,
                                      const std::vector<Element>& elements) const;
 
-  std::vector<JudgedClaim> judged_sides(const FitAnswer& answer, const Model& model, const Mesh& bone) const;
-  std::vector<Finding> judged_rows(const InsertionAnswer& answer, const Model& implant, const Mesh& bone) const;
-  JudgedClaim judged_removal(const InsertionAnswer& answer, const Model& implant, const Mesh& bone) const;
+  [[nodiscard]] std::vector<JudgedClaim> judged_sides(const FitAnswer& answer, const Model& model,
+                                                      const Mesh& bone) const;
+  [[nodiscard]] std::vector<Finding> judged_rows(const InsertionAnswer& answer, const Model& implant,
+                                                 const Mesh& bone) const;
+  [[nodiscard]] JudgedClaim judged_removal(const InsertionAnswer& answer, const Model& implant, const Mesh& bone) const;
 
   const std::string& name_;
   const AnswerFiles& files_;
