@@ -434,7 +434,7 @@ void refuse_what_meshes_lack(const MapArguments& arguments) {
   if (arguments.time_limit) refuse_option("--time-limit", "its rows need no search");
 }
 
-/// What the mesh is, where that matters to who reads the rows.
+/// Tells where depths may be larger than the rows say.
 void tell_of_solid(const MeshMapper& mapper, const MapArguments& arguments) {
   const MeshMapper::Facts facts = mapper.facts();
   if (facts.is_depth_exact) return;

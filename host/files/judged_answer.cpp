@@ -60,7 +60,7 @@ JudgedClaim statement(std::string of, std::string what, Verdict verdict) {
 
 }  // namespace
 
-// Of subjects that were read before.
+// Judges answers about subjects that were read before.
 
 JudgedAnswer judge(const PathAnswer& answer, const Model& a, const Model& b, const CheckOptions& options) {
   const PathClaims proven = PathChecker(a, b, answer.path).prove(answer.certificate, options);
@@ -362,11 +362,17 @@ class Judge {
     return judge(answer, name_, stance::parse_model(xml, file), options_);
   }
 
-  /// The landmarks are all the proof: files are compared where they are given.
+  /// The landmarks are all the proof: files may be left out, and must be the right ones where they are given.
   JudgedAnswer operator()(const FeaturesAnswer& answer) const {
-    if (!files_.models.empty() && answer.implant)
-      refuse_other_file(model_file(0, 1), "implant", *answer.implant, name_);
-    if (!files_.mesh.empty() && answer.mesh) refuse_other_file(files_.mesh, "mesh", *answer.mesh, name_);
+    if (!files_.models.empty()) {
+      const auto& about = answer.implant ? answer.implant : answer.mesh;  // landmarks may have been found in a model
+      if (!about) refuse(fmt::format("{}: is about no model: give none", name_));
+      refuse_other_file(model_file(0, 1), answer.implant ? "implant" : "model", *about, name_);
+    }
+    if (!files_.mesh.empty()) {
+      if (!answer.mesh) refuse(fmt::format("{}: is about no mesh: give none", name_));
+      refuse_other_file(files_.mesh, "mesh", *answer.mesh, name_);
+    }
     return judge(answer);
   }
 
@@ -409,7 +415,7 @@ class Judge {
     return {interrupted ? std::vector<JudgedClaim>() : std::move(claims), 0, 0, interrupted};
   }
 
-  /// What the rows of a map prove of each element; of a row that is not proved, nothing.
+  /// Encloses the distance of each element by the certificate of its row; a row that proves nothing bounds nothing.
   template <class Element>
   std::vector<Enclosure> proven_rows(const std::filesystem::path& file, MapElements kind, const Model& model,
                                      const std::vector<Element>& elements) const;
@@ -539,8 +545,33 @@ JudgedAnswer Judge::operator()(const InsertionAnswer& answer) const {
 
 }  // namespace
 
+namespace {
+
+/// A file that the answer does not need would seem to be proven something about.
+void refuse_needless_files(const Answer& answer, const std::string& name, const AnswerFiles& files) {
+  const auto refuse_unless = [&](bool is_needed, const std::filesystem::path& file, const char* argument) {
+    if (!is_needed && !file.empty()) refuse(fmt::format("{}: needs no `{}`: {}", name, argument, file.string()));
+  };
+  const bool is_fit = std::holds_alternative<FitAnswer>(answer);
+  const auto* const insertion = std::get_if<InsertionAnswer>(&answer);
+  const bool has_mesh = std::visit(
+      [](const auto& kind) {
+        return requires {
+          kind.mesh;
+        };
+      },
+      answer);
+  refuse_unless(has_mesh, files.mesh, "mesh");
+  refuse_unless(insertion != nullptr && insertion->removed && insertion->removed->within, files.within, "within");
+  refuse_unless(is_fit, files.map, "map");
+  refuse_unless(is_fit, files.surface_map, "surface_map");
+}
+
+}  // namespace
+
 JudgedAnswer judge(const Answer& answer, const std::string& name, const AnswerFiles& files,
                    const CheckOptions& options) {
+  refuse_needless_files(answer, name, files);
   return std::visit(Judge(name, files, options), answer);
 }
 

@@ -133,7 +133,7 @@ void declare_claims(py::module_& module) {
       .def_property_readonly(
           "verdict", [](const JudgedClaim& self) { return std::string(to_string(self.finding.verdict)); },
           "\"proved\", \"refuted\" or \"unproved\".")
-      .def_readonly("is_unbounded", &JudgedClaim::is_unbounded, "Whether it claims nothing on a side.")
+      .def_readonly("is_unbounded", &JudgedClaim::is_unbounded, "True where it claims nothing on a side.")
       .def("__repr__", representation)
       .def(pickled<JudgedClaim>());
 }
@@ -181,7 +181,7 @@ void declare_answers(py::module_& module) {
             "Proves every claim again, by MPFR and the certificate alone.\n");
   arguments(answer, "is_proved", is_proved,
             "is_proved(*, models=None, mesh=None, within=None, map=None, surface_map=None) -> bool\n\n"
-            "Whether check() proves all claims, and none is without an end.\n");
+            "True where check() proves all claims, and none is without an end.\n");
 }
 
 }  // namespace verisq::python

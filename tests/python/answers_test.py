@@ -72,6 +72,9 @@ class Answers(unittest.TestCase):
             answer.check(models=STEM)
         with self.assertRaisesRegex(verisq.Error, "about 2 models"):
             answer.is_proved()
+        for needless in ("mesh", "within", "map", "surface_map"):
+            with self.assertRaisesRegex(verisq.Error, f"needs no `{needless}`"):
+                answer.check(models=[STEM, STEM], **{needless: CAVITY})
 
     def test_a_forged_distance_is_refuted(self):
         stem = example("stem_mm.json")
@@ -142,6 +145,10 @@ class Answers(unittest.TestCase):
         self.assertEqual([claim.of for claim in claims][: len(found.features)], [each.name for each in found.features])
         self.assertEqual({claim.verdict for claim in claims}, {"proved"})
         self.assertEqual(self.program_checks(answer), 0)
+        with self.assertRaisesRegex(verisq.Error, "about no model"):
+            answer.check(models=STEM)
+        with self.assertRaisesRegex(verisq.Error, "about no mesh"):
+            answer.check(mesh=CAVITY)
 
     def test_where_a_body_stands(self):
         file = EXAMPLES / "standing.xml"
