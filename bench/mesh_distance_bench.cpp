@@ -35,7 +35,7 @@ using verify::ClosedMesh;
 constexpr std::size_t points_of_a_kind = 60'000;
 constexpr int rounds = 7;
 
-/// Of this thread.
+/// The processor time of this thread.
 double processor_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

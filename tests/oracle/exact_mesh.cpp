@@ -181,7 +181,7 @@ bool is_degenerate(const Triangle& t) {
   return inner(normal, normal) == 0;
 }
 
-/// Of the segment's triangle crossings, outward less inward; nothing where it meets a side.
+/// The segment's crossings of triangles, outward less inward; nothing where it meets a side.
 std::optional<int> crossings(std::span<const Triangle> triangles, const Point& from, const Point& to) {
   int sum = 0;
   for (const auto& [a, b, c] : triangles) {

@@ -35,7 +35,7 @@ class ExactMesh {
   std::vector<Triangle> triangles_;
 };
 
-/// Whether lo² <= fraction <= hi². Precondition: 0 <= lo, hi; multiples of 2^-600.
+/// True where lo² <= fraction <= hi². Precondition: 0 <= lo, hi; multiples of 2^-600.
 [[nodiscard]] bool holds_root(const Enclosure& distance, const Fraction& squared);
 
 }  // namespace verisq::oracle

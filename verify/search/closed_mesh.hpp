@@ -47,8 +47,8 @@ class ClosedMesh {
   /// `hint`: a triangle to begin with, as that of a neighbour. It changes no proof. Precondition: finite.
   [[nodiscard]] Distance signed_distance(const Point& point, std::optional<std::uint32_t> hint = {}) const;
 
-  /// Of many points, which are visited in an order in which neighbours follow each other. Preconditions: finite; as
-  /// many distances as points.
+  /// Encloses the distances of many points, in an order in which neighbours follow each other. Preconditions: finite;
+  /// as many distances as points.
   void signed_distances(std::span<const Point> points, std::span<Distance> distances) const;
 
   /// How often the triangles wind about the point, counted along a ray. Precondition: the point lies on none.

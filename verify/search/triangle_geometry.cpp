@@ -22,7 +22,7 @@ struct Shares {
 constexpr double least_square = 0x1p-900;
 /// More than what underflows anywhere in these sums may hide, whose roots are below 2^-530.
 constexpr double underflow_of_length = 0x1p-500;
-/// Of the sums of magnitudes below: 10 u.
+/// The rounding error is at most this share of the sums of magnitudes below: 10 u.
 constexpr double share_of_magnitude = 10 * 0x1p-53;
 
 /// A triangle as a point sees it. Differences of binary64 numbers round by u, relatively.
@@ -230,7 +230,7 @@ int exact_orientation(const Triangle& triangle, const Point& point) {
   return sign_of(sum);
 }
 
-/// Of the area of a, b and c in the plane of the coordinates i and j.
+/// The sign of the area of a, b and c in the plane of the coordinates i and j.
 int planar_orientation(const Point& a, const Point& b, const Point& c, std::size_t i, std::size_t j) {
   const double plus = (b[i] - a[i]) * (c[j] - a[j]);
   const double less = (b[j] - a[j]) * (c[i] - a[i]);
@@ -287,8 +287,8 @@ bool lies_on(const Point& point, const Triangle& triangle) {
 
 namespace {
 
-/// Of the area of a, b and the point moved by (e, e²) in the plane of i and j, for all small e > 0; 0 only where a and
-/// b coincide there.
+/// The sign of the area of a, b and the point moved by (e, e²) in the plane of i and j, for all small e > 0; 0 only
+/// where a and b coincide there.
 int moved_orientation(const Point& a, const Point& b, const Point& point, std::size_t i, std::size_t j) {
   if (const int sign = planar_orientation(a, b, point, i, j); sign != 0) return sign;
   if (a[j] != b[j]) return a[j] > b[j] ? 1 : -1;
@@ -379,7 +379,7 @@ struct Range {
   double upper = -HUGE_VAL;
 };
 
-/// Of normal·(corner - from), proven.
+/// The proven range of normal·(corner - from).
 Range range_of(const Point& normal, const Point& from, const Triangle& triangle) {
   Range range;
   for (const Point& corner : triangle) {

@@ -11,8 +11,8 @@
 
 namespace verisq::verify {
 
-/// Of the distance of a point from a closed triangle, which may be degenerate, and the way to a point of it: proposed
-/// as the nearest one.
+/// Bounds of the distance of a point from a closed triangle, which may be degenerate, and the way to a point of it that
+/// is proposed as the nearest one.
 struct DistanceBounds {
   double lower;
   double upper;
@@ -31,23 +31,23 @@ struct DistanceBounds {
 /// The same, where binary64 is enough for it; never 0.
 [[nodiscard]] std::optional<int> near_orientation(const Triangle& triangle, const Point& point);
 
-/// Whether the corners lie on a line.
+/// True where the corners lie on a line.
 [[nodiscard]] bool is_degenerate(const Triangle& triangle);
 
-/// Whether the point is one of the closed triangle, which may be degenerate.
+/// True where the point lies on the closed triangle, which may be degenerate.
 [[nodiscard]] bool lies_on(const Point& point, const Triangle& triangle);
 
-/// What a triangle adds to the winding number of a point: a ray from it along the axis, upward or downward, meets the
-/// triangle and leaves through it along its normal (1), or against it (-1), or does not meet it. The ray is moved aside
-/// by the same infinitely small step for all triangles, so that it meets no side (docs/mathematics.md §29).
+/// Returns what a triangle adds to the winding number of a point: a ray from it along the axis, upward or downward,
+/// meets the triangle and leaves through it along its normal (1), or against it (-1), or does not meet it. The ray is
+/// moved aside by the same infinitely small step for all triangles, so that it meets no side (docs/mathematics.md §29).
 /// Precondition: the point does not lie on the triangle.
 [[nodiscard]] int crossing(const Point& point, std::size_t axis, bool upward, const Triangle& triangle);
 
 /// Corners of two triangles, the same of both having the same number.
 using Corners = std::array<std::uint32_t, 3>;
 
-/// Whether it is proven that the two triangles have no point in common but the hull of their common corners, and these
-/// are at most two.
+/// True proves that the two triangles have no point in common but the hull of their common corners, and that these are
+/// at most two.
 [[nodiscard]] bool meet_in_common_corners(const Triangle& first, const Corners& of_first, const Triangle& second,
                                           const Corners& of_second);
 

@@ -385,7 +385,7 @@ void WideTree::visit(const std::array<float, 3>& lower, const std::array<float, 
 
 namespace {
 
-/// Of corners rounded to binary32 and of points of at most 2 in scaled coordinates.
+/// Bounds how far rounding to binary32 moves corners, and points of at most 2 in scaled coordinates.
 constexpr float displacement = 0x1p-21F;
 
 /// Which triangles of a leaf meet a box.

@@ -21,7 +21,7 @@ class WideTree {
   /// [least_size, largest_size].
   explicit WideTree(std::span<const Triangle> triangles);
 
-  /// Of the largest coordinate: within it no square of a difference that matters overflows or underflows.
+  /// Range of the largest coordinate: within it no square of a difference that matters overflows or underflows.
   static constexpr double least_size = 0x1p-200;
   static constexpr double largest_size = 0x1p200;
 
