@@ -385,7 +385,8 @@ void WideTree::visit(const std::array<float, 3>& lower, const std::array<float, 
 
 namespace {
 
-/// Bounds how far rounding to binary32 moves corners, and points of at most 2 in scaled coordinates.
+/// Bounds how far rounding to binary32 moves a corner, a point and the end of a box together, in scaled coordinates:
+/// each is at most 2, and moves by at most 2^-24.
 constexpr float displacement = 0x1p-21F;
 
 /// Which triangles of a leaf meet a box.
