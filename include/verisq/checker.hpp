@@ -50,6 +50,9 @@ struct Normal {
 /// across the first of its longest edges, false for one that is not. `normals` tell on which side of their primitives
 /// the whole ball lies.
 ///
+/// For a point and a union with meshes: of meshes nothing is needed, as a checker finds their nearest triangles itself.
+/// `normals` and `escape` are of the other primitives, and of the union, as above.
+///
 /// For a triangle with corners t_i and a union: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its
 /// primitive, unless that is bent; the upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by
 /// the first normal, w being `weights`; 0 where q is in the first normal's primitive. For a triangle and any model:

@@ -20,7 +20,9 @@ namespace verisq {
 /// errors, unknown keys, non-finite numbers, exponents outside (0, 2], non-positive semi-axes, a zero quaternion, a
 /// bend whose curvature is not proven to be small enough (see Bend), duplicate or unknown names, an operator without
 /// operands or a difference of one; and for intervals, which an exact model does not have. The keys `areas`
-/// (`read_areas`) and `landmarks` (`read_model_landmarks`) are checked likewise and not part of the model.
+/// (`read_areas`) and `landmarks` (`read_model_landmarks`) are checked likewise and not part of the model. A file that
+/// `read_mesh` reads is the model of that one mesh, which must be closed; meshes that a model names are read, too, by
+/// names relative to its folder.
 [[nodiscard]] Model read_model(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.

@@ -60,7 +60,7 @@ struct MapSummary {
   double host_seconds = 0.0;    ///< wall time of the host's proofs
   bool interrupted = false;
   bool out_of_time = false;  ///< the limit came while rows were wide
-  std::string notice;        ///< why a device was passed over; empty when nothing to say
+  std::string notice;        ///< why a device was passed over, or what depths mean; empty when nothing to say
 };
 
 // Queries and rows of a map where the caller has them in memory: columns with any stride.
@@ -264,6 +264,10 @@ using Sink = std::function<void(std::span<const Query>, std::span<const MapResul
 ///     where they meet; unless both are is_union_of_convex the host searches each, and an interruption ends searches
 ///     under way, of which no row is told.
 ///
+/// Meshes are solids for points (docs/mathematics.md §29): in unions with other primitives, or alone. A row encloses
+/// the signed distance to the union; of a mesh alone, inside, minus the distance to the nearest triangle. Where
+/// triangles cross, that is at most the depth, and the summary's notice says so. The host proves rows of meshes.
+///
 /// For uncertain models and points a row encloses the distances to every member from everything within `point_radius`.
 /// The distances to the bracketing models (see Bracket) are asked for to half the tolerance each; seconds in the
 /// summary add up those of their maps. An exact model is mapped directly. Certificates are those of Checker.
@@ -306,36 +310,6 @@ class Mapper {
 extern template class Mapper<Point>;
 extern template class Mapper<Triangle>;
 extern template class Mapper<Pose>;
-
-/// A closed mesh as a solid, made ready for maps of points. The solid holds the triangles, and every point about which
-/// they wind (docs/mathematics.md §29): they may cross, lie in several shells, and be turned inward. Each row encloses
-/// the signed distance: outside the distance to the solid, inside minus the distance to the nearest triangle. The host
-/// proves all rows. Immutable.
-class MeshMapper {
- public:
-  struct Facts {
-    std::size_t triangles;
-    std::size_t unclean;         ///< triangles that are not proven to meet others in common corners alone
-    bool is_depth_exact = true;  ///< else, inside, minus the signed distance is at most the depth
-  };
-
-  /// Throws Error(input) for a mesh that is empty or not closed, with the number of open edges; for coordinates whose
-  /// largest is not from 2^-200 to 2^200; and for options that a mesh does not have: devices, certificates, uncertain
-  /// points and places, the published method. Precondition: triangles of vertices that are there, finite coordinates.
-  MeshMapper(const Mesh& solid, const MapOptions& options);
-  ~MeshMapper();
-  MeshMapper(MeshMapper&&) noexcept;
-  MeshMapper& operator=(MeshMapper&&) noexcept;
-
-  /// Throws Error(input) for a point that is not finite, and what source and sink throw.
-  MapSummary map(const Source<Point>& source, const Sink<Point>& sink) const;
-
-  [[nodiscard]] Facts facts() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
 
 using PointMapper = Mapper<Point>;
 using TriangleMapper = Mapper<Triangle>;

@@ -1,8 +1,10 @@
-/// Models: superquadrics in their place, unions and set operations of them, with exact sizes or intervals.
+/// Models: superquadrics and closed meshes in their place, unions and set operations of them, with exact sizes or
+/// intervals.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,12 +48,21 @@ struct Bend {
   double angle_degrees;
 };
 
+struct Mesh;
+
 struct Primitive {
   std::string name;
-  Superquadric superquadric;
+  Superquadric superquadric;  ///< all zeros where the solid is a mesh
   Pose pose;
   std::optional<Bend> bend = {};
+  /// The solid, instead of a superquadric: the triangles of a closed mesh, and every point about which they wind
+  /// (docs/mathematics.md §29). Copies of a model share it. Precondition: not bent.
+  std::shared_ptr<const Mesh> mesh = {};
 };
+
+/// A closed mesh as a primitive. Throws Error(input) for what is no solid: a mesh without triangles, or one that is not
+/// closed, with the number of its open edges. Precondition: indices in range, finite coordinates.
+[[nodiscard]] Primitive mesh_primitive(std::string name, Mesh mesh, const Pose& pose = {});
 
 enum class SetOperation : std::uint8_t { unite, intersect, subtract };
 
@@ -78,13 +89,16 @@ inline constexpr double largest_taper = 100.0;
   return superquadric.taper != 1.0;
 }
 
-/// Whether the primitive has a bend that moves anything: without one it is convex.
+/// Whether a primitive is a mesh.
+[[nodiscard]] bool has_mesh(const Model& model);
+
+/// Whether the primitive has a bend that moves anything: without one a superquadric is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);
 
 /// The name of a primitive for messages: its own, or "primitives[2]" where it has none. Precondition: it is there.
 [[nodiscard]] std::string name_of_primitive(const Model& model, std::size_t primitive);
 
-/// Whether the model is the union of all its primitives, none of them bent: what the certificates of
+/// Whether the model is the union of all its primitives, none of them bent or a mesh: what the certificates of
 /// docs/mathematics.md §2 are made for. Anything else is searched by branch and bound (§9 to §11).
 [[nodiscard]] bool is_union_of_convex(const Model& model);
 
@@ -100,6 +114,7 @@ struct UncertainPrimitive {
   std::array<double, 4> quaternion;
   std::optional<Bend> bend = {};
   double taper = 1.0;  ///< where it is not 1, all numbers of the model must be exact
+  std::shared_ptr<const Mesh> mesh = {};  ///< as Primitive::mesh; then all numbers of the model must be exact
 };
 
 /// The members of the model take their numbers from the intervals independently of each other. Of models with bends, or

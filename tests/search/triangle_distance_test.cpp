@@ -51,7 +51,7 @@ double reach_of(const Model& model, const Triangle& triangle) {
 }
 
 std::string describe(const Model& model, const Triangle& triangle, const Enclosure& e) {
-  const auto& [name, superquadric, pose, bend] = model.primitives.front();
+  const auto& [name, superquadric, pose, bend, mesh] = model.primitives.front();
   return fmt::format("{} axes {} e {} at {} {}, triangle {}: [{}, {}]", name, superquadric.semi_axes,
                      superquadric.exponents, pose.translation, pose.quaternion, triangle, e.lo, e.hi);
 }

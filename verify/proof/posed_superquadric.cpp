@@ -6,6 +6,7 @@
 #include "verify/numbers/core_trigonometry.hpp"
 #include "verify/proof/contained_ball.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
@@ -19,6 +20,12 @@ PreciseVector box_about(const SuperquadricBounds<Real>& bounds) {
           between(reach(0, 0, -1), reach(0, 0, 1))};
 }
 
+/// A mesh has no superquadric: whoever forgets to look is stopped here.
+const Superquadric& superquadric_of(const Primitive& primitive) {
+  if (primitive.mesh) throw Error(ErrorKind::input, "a mesh, where a superquadric is needed");
+  return primitive.superquadric;
+}
+
 RigidMotion from_own_frame(const Primitive& primitive) {
   RigidMotion motion(primitive.pose);
   if (is_tapered(primitive.superquadric)) motion.translation = motion(focus(primitive.superquadric));
@@ -28,7 +35,7 @@ RigidMotion from_own_frame(const Primitive& primitive) {
 }  // namespace
 
 PosedSuperquadric::PosedSuperquadric(const Primitive& primitive)
-    : superquadric_(primitive.superquadric),
+    : superquadric_(superquadric_of(primitive)),
       bounds_(primitive.superquadric),
       motion_(from_own_frame(primitive)),
       box_(box_about(bounds_)),

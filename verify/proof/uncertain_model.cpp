@@ -120,9 +120,9 @@ void check_finite(double shift, const Superquadric& solid, std::size_t index) {
 }  // namespace
 
 UncertainModel::UncertainModel(const Model& exact) : units(exact.units), csg(exact.csg) {
-  for (const auto& [name, superquadric, pose, bend] : exact.primitives) {
+  for (const auto& [name, superquadric, pose, bend, mesh] : exact.primitives) {
     primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
-                          exactly(pose.translation), pose.quaternion, bend, superquadric.taper});
+                          exactly(pose.translation), pose.quaternion, bend, superquadric.taper, mesh});
   }
 }
 
@@ -133,7 +133,7 @@ bool is_exact(const UncertainModel& model) {
 }
 
 Bracket verify::bracket_of_primitives(const UncertainModel& model) {
-  require_valid(model);
+  require_valid_with_meshes(model);
   const Model nothing_yet{model.units, {}, model.csg};
   Bracket result{nothing_yet, nothing_yet, std::nullopt, 0.0};
   Model everywhere = nothing_yet;
@@ -144,9 +144,12 @@ Bracket verify::bracket_of_primitives(const UncertainModel& model) {
     const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};
     const bool moves = !all_exact(primitive.translation);  // else spared: most models are exact
     const PreciseInterval shift = moves ? shift_of(primitive) : PreciseInterval(0);
-    result.smallest.primitives.push_back({primitive.name, small, pose, primitive.bend});
-    result.largest.primitives.push_back({primitive.name, large, pose, primitive.bend});
-    everywhere.primitives.push_back({primitive.name, moves ? inflated(large, shift) : large, pose, primitive.bend});
+    const auto add = [&](Model& to, const Superquadric& superquadric) {
+      to.primitives.push_back({primitive.name, superquadric, pose, primitive.bend, primitive.mesh});
+    };
+    add(result.smallest, small);
+    add(result.largest, large);
+    add(everywhere, moves ? inflated(large, shift) : large);
     result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
     check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
   }

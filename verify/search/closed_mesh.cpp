@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verisq/error.hpp"
@@ -30,22 +31,6 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   return triangles;
 }
 
-/// One number for all vertices in one place.
-std::vector<Corners> corners_by_place(const Mesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) { return mesh.vertices[a] < mesh.vertices[b]; });
-  std::vector<std::uint32_t> number(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && mesh.vertices[order[i]] == mesh.vertices[order[i - 1]];
-    number[order[i]] = same ? number[order[i - 1]] : order[i];
-  }
-  std::vector<Corners> corners;
-  corners.reserve(mesh.triangles.size());
-  for (const auto& [a, b, c] : mesh.triangles) corners.push_back({number[a], number[b], number[c]});
-  return corners;
-}
-
 /// Which of them hang together.
 class Connected {
  public:
@@ -63,46 +48,11 @@ class Connected {
 
 }  // namespace
 
-/// A side of a triangle: its ends in order, and whether the triangle runs from the first to the second.
-struct ClosedMesh::SidedEdge {
-  std::uint64_t ends;
-  std::uint32_t triangle;
-  std::int32_t direction;
-};
-
 ClosedMesh::ClosedMesh(const Mesh& mesh)
     : corners_(corners_by_place(mesh)), tree_(checked_triangles(mesh)), sides_(mesh.triangles.size()) {
   facts_.triangles = mesh.triangles.size();
-  const std::vector<SidedEdge> edges = closed_edges();
+  const std::vector<SidedEdge> edges = closed_edges(corners_);
   find_sides(edges, clean_triangles());
-}
-
-/// Sorted. Throws unless each is run through as often one way as the other.
-std::vector<ClosedMesh::SidedEdge> ClosedMesh::closed_edges() const {
-  std::vector<SidedEdge> edges;
-  edges.reserve(3 * corners_.size());
-  for (std::uint32_t n = 0; n < corners_.size(); ++n) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t from = corners_[n][k];
-      const std::uint64_t to = corners_[n][(k + 1) % 3];
-      if (from < to) edges.push_back({from << 32U | to, n, 1});
-      if (to < from) edges.push_back({to << 32U | from, n, -1});
-    }
-  }
-  std::ranges::sort(edges, {}, &SidedEdge::ends);
-  std::size_t open = 0;
-  for (auto edge = edges.begin(); edge != edges.end();) {
-    const std::uint64_t ends = edge->ends;
-    int sum = 0;
-    for (; edge != edges.end() && edge->ends == ends; ++edge) sum += edge->direction;
-    open += static_cast<std::size_t>(std::abs(sum));
-  }
-  if (open > 0) {
-    throw Error(ErrorKind::input, fmt::format("the mesh is not closed: {} of its edges are open, or run through the "
-                                              "same way by both triangles",
-                                              open));
-  }
-  return edges;
 }
 
 /// Not degenerate, and proven to meet all others in common corners alone.
@@ -324,6 +274,97 @@ void ClosedMesh::signed_distances(std::span<const Point> points, std::span<Dista
     distances[n] = signed_distance(points[n], hint);
     hint = distances[n].triangle;
   }
+}
+
+namespace {
+
+bool moves(const Pose& pose) {
+  const auto& q = pose.quaternion;
+  return pose.translation != Point{} || q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0;
+}
+
+double nearest(const PreciseInterval& x) {
+  return Interval(x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)).lower();
+}
+
+}  // namespace
+
+PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(*primitive.mesh) {
+  if (!moves(primitive.pose)) return;
+  motion_.emplace(primitive.pose);
+  turned_.translation = primitive.pose.translation;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      turned_.rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = nearest(motion_->rotation(i, j));
+    }
+  }
+}
+
+/// R^T (x - t). Each difference d rounds by u, each element of R by at most 2u of 1, the three products and two sums by
+/// 3u: a coordinate is off by at most 6.1 u Σ|d|, the point by less than 2^-49 Σ|d|. What underflows is far below
+/// 2^-1000.
+PosedMesh::OwnPoint PosedMesh::own_point(const Point& point) const {
+  if (!motion_) return {point, 0.0};
+  OwnPoint own{{}, 0.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double way = point[i] - turned_.translation[i];
+    own.displacement += std::abs(way);
+    for (std::size_t j = 0; j < 3; ++j) own.point[j] += turned_.rows[i][j] * way;
+  }
+  own.displacement = own.displacement * 0x1p-49 + 0x1p-1000;
+  return own;
+}
+
+Point PosedMesh::model_vector(const Point& own) const {
+  if (!motion_) return own;
+  Point result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& row = turned_.rows[i];
+    result[i] = row[0] * own[0] + row[1] * own[1] + row[2] * own[2];
+  }
+  return result;
+}
+
+Point PosedMesh::model_point(const Point& own) const {
+  Point result = model_vector(own);
+  if (!motion_) return result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] += turned_.translation[i];
+  return result;
+}
+
+Triangle PosedMesh::triangle(std::uint32_t n) const {
+  Triangle result = mesh_.tree().triangle(n);
+  for (Point& corner : result) corner = model_point(corner);
+  return result;
+}
+
+/// The signed distance changes by no more than the way between two points, across the surface, too.
+void PosedMesh::place(double displacement, ClosedMesh::Distance& distance) const {
+  if (!motion_) return;
+  const Interval widened =
+      Interval(distance.signed_distance.lo, distance.signed_distance.hi) + Interval(-displacement, displacement);
+  distance.signed_distance = {widened.lower(), widened.upper()};
+  distance.closest = model_point(distance.closest);
+  distance.normal = model_vector(distance.normal);
+}
+
+ClosedMesh::Distance PosedMesh::signed_distance(const Point& point, std::optional<std::uint32_t> hint) const {
+  const OwnPoint own = own_point(point);
+  ClosedMesh::Distance distance = mesh_.signed_distance(own.point, hint);
+  place(own.displacement, distance);
+  return distance;
+}
+
+void PosedMesh::signed_distances(std::span<const Point> points, std::span<ClosedMesh::Distance> distances) const {
+  if (!motion_) return mesh_.signed_distances(points, distances);
+  std::vector<OwnPoint> own;
+  std::vector<Point> places;
+  for (const Point& point : points) {
+    own.push_back(own_point(point));
+    places.push_back(own.back().point);
+  }
+  mesh_.signed_distances(places, distances);
+  for (std::size_t i = 0; i < points.size(); ++i) place(own[i].displacement, distances[i]);
 }
 
 }  // namespace verisq::verify

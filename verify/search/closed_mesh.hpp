@@ -9,6 +9,8 @@
 
 #include "verify/search/triangle_geometry.hpp"
 #include "verify/search/wide_tree.hpp"
+#include "verify/solids/closed_edges.hpp"
+#include "verify/solids/rigid_motion.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -77,8 +79,6 @@ class ClosedMesh {
     bool behind = false;
   };
 
-  struct SidedEdge;
-  [[nodiscard]] std::vector<SidedEdge> closed_edges() const;
   [[nodiscard]] std::vector<bool> clean_triangles() const;
   void find_sides(const std::vector<SidedEdge>& edges, const std::vector<bool>& clean);
   [[nodiscard]] std::optional<int> winding_before(std::uint32_t triangle) const;
@@ -91,6 +91,43 @@ class ClosedMesh {
   WideTree tree_;
   std::vector<Sides> sides_;
   Facts facts_;
+};
+
+/// A primitive that is a mesh, in its place in the model. Immutable: safe to ask from many threads.
+class PosedMesh {
+ public:
+  /// Throws as ClosedMesh. Precondition: `primitive.mesh`, finite pose.
+  explicit PosedMesh(const Primitive& primitive);
+
+  /// As ClosedMesh::signed_distance, in the model's frame. A pose widens the enclosure by its rounding.
+  [[nodiscard]] ClosedMesh::Distance signed_distance(const Point& point, std::optional<std::uint32_t> hint = {}) const;
+  void signed_distances(std::span<const Point> points, std::span<ClosedMesh::Distance> distances) const;
+
+  [[nodiscard]] const ClosedMesh& mesh() const { return mesh_; }
+  /// Nothing where the mesh lies in the model as in its file.
+  [[nodiscard]] const std::optional<RigidMotion>& motion() const { return motion_; }
+  /// A triangle in the model's frame, to nearest.
+  [[nodiscard]] Triangle triangle(std::uint32_t n) const;
+
+ private:
+  struct Turned {
+    std::array<Point, 3> rows;  ///< of the rotation to the model's frame, to nearest
+    Point translation;
+  };
+  /// A point of the own frame, and how far it may be from the exact one.
+  struct OwnPoint {
+    Point point;
+    double displacement;
+  };
+
+  [[nodiscard]] OwnPoint own_point(const Point& point) const;
+  [[nodiscard]] Point model_point(const Point& own) const;
+  [[nodiscard]] Point model_vector(const Point& own) const;
+  void place(double displacement, ClosedMesh::Distance& distance) const;
+
+  ClosedMesh mesh_;
+  std::optional<RigidMotion> motion_;
+  Turned turned_{};
 };
 
 }  // namespace verisq::verify

@@ -257,7 +257,16 @@ Box outward_box(const PreciseVector& x) {
   return box;
 }
 
+/// The box of all vertices, each in its place.
+Box box_of(const Mesh& mesh, const Pose& pose) {
+  const RigidMotion motion(pose);
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Point& vertex : mesh.vertices) box = hull(box, outward_box(motion(precise(vertex))));
+  return box;
+}
+
 Box box_of(const Primitive& primitive) {
+  if (primitive.mesh) return box_of(*primitive.mesh, primitive.pose);
   if (!is_bent(primitive)) return outward_box(ConvexPrimitive(primitive).bounding_box());
   const RigidMotion motion(primitive.pose);
   const PreciseMatrix rotation = motion.rotation * turn(*primitive.bend);
@@ -315,7 +324,7 @@ namespace verisq {
 
 double bounding_radius(const Model& model) {
   using namespace verify;
-  require_valid(model);
+  require_valid_with_meshes(model);
   const Box box = bounding_box(model);
   PreciseVector diagonal;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "verify/solids/closed_edges.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
@@ -42,9 +43,6 @@ struct DistanceBounds {
 /// moved aside by the same infinitely small step for all triangles, so that it meets no side (docs/mathematics.md §29).
 /// Precondition: the point does not lie on the triangle.
 [[nodiscard]] int crossing(const Point& point, std::size_t axis, bool upward, const Triangle& triangle);
-
-/// Corners of two triangles, the same of both having the same number.
-using Corners = std::array<std::uint32_t, 3>;
 
 /// True proves that the two triangles have no point in common but the hull of their common corners, and that these are
 /// at most two.

@@ -9,6 +9,7 @@
 #include "verify/numbers/core_trigonometry.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/error.hpp"
+#include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -59,9 +60,34 @@ std::optional<Fault> fault_of(const Bend& bend, const Superquadric& largest, con
   return std::nullopt;
 }
 
+std::optional<Fault> fault_of_pose(const UncertainPrimitive& primitive, const std::string& pose) {
+  if (auto fault = fault_of(primitive.translation, pose + "translation", interval, "must be finite")) return fault;
+  return fault_of(primitive.quaternion, pose + "quaternion");
+}
+
+std::optional<Fault> fault_of_mesh(const UncertainPrimitive& primitive, const std::string& place) {
+  const Mesh& mesh = *primitive.mesh;
+  for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
+    const std::string vertex = place + ".mesh.vertices[" + std::to_string(n) + "]";
+    if (auto fault = fault_of(mesh.vertices[n], vertex, finite, "must be finite")) return fault;
+  }
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+    for (const std::uint32_t corner : mesh.triangles[n]) {
+      if (corner < mesh.vertices.size()) continue;
+      return Fault{place + ".mesh.triangles[" + std::to_string(n) + "]", std::to_string(corner),
+                   "no vertex has this index"};
+    }
+  }
+  if (mesh.triangles.empty()) return Fault{place + ".mesh.triangles", "[]", "must have at least four triangles"};
+  if (primitive.bend) return Fault{place + ".bend", "{...}", "a mesh has no bend"};
+  const auto exact = [](const Enclosure& x) { return x.lo == x.hi; };
+  return fault_of(primitive.translation, place + ".pose.translation", exact, "must be exact: the primitive is a mesh");
+}
+
 std::optional<Fault> fault_of(const UncertainPrimitive& primitive, const std::string& place) {
+  if (auto fault = fault_of_pose(primitive, place + ".pose.")) return fault;
+  if (primitive.mesh) return fault_of_mesh(primitive, place);
   const std::string solid = place + ".superquadric.";
-  const std::string pose = place + ".pose.";
   const auto& a = primitive.semi_axes;
   const auto& e = primitive.exponents;
   const auto positive = [](const Enclosure& x) { return x.lo > 0.0; };
@@ -72,8 +98,6 @@ std::optional<Fault> fault_of(const UncertainPrimitive& primitive, const std::st
   if (!(smallest_taper <= primitive.taper && primitive.taper <= largest_taper))
     return Fault{solid + "taper", text(primitive.taper),
                  "the section at z = a3 over that at z = -a3 must be in [0.01, 100]"};
-  if (auto fault = fault_of(primitive.translation, pose + "translation", interval, "must be finite")) return fault;
-  if (auto fault = fault_of(primitive.quaternion, pose + "quaternion")) return fault;
   if (!primitive.bend) return std::nullopt;
   const Superquadric largest{{a[0].hi, a[1].hi, a[2].hi}, {e[0].lo, e[1].lo}, primitive.taper};
   return fault_of(*primitive.bend, largest, place + ".bend");
@@ -104,6 +128,14 @@ std::optional<Fault> fault_of(const UncertainModel& model) {
 }
 
 void require_valid(const UncertainModel& model) {
+  require_valid_with_meshes(model);
+  const auto mesh = std::ranges::find_if(model.primitives, [](const UncertainPrimitive& p) { return bool{p.mesh}; });
+  if (mesh == model.primitives.end()) return;
+  throw Error(ErrorKind::input, "primitives[" + std::to_string(mesh - model.primitives.begin()) +
+                                    "].mesh: this takes superquadrics alone so far; recover a model of the mesh");
+}
+
+void require_valid_with_meshes(const UncertainModel& model) {
   require(fault_of(model));
 }
 
@@ -143,6 +175,10 @@ bool verify::is_union(const Model& model) {
   return (!model.csg || unites(*model.csg, used)) && std::ranges::all_of(used, [](bool is_used) { return is_used; });
 }
 
+bool has_mesh(const Model& model) {
+  return std::ranges::any_of(model.primitives, [](const Primitive& primitive) { return bool{primitive.mesh}; });
+}
+
 bool is_bent(const Primitive& primitive) {
   return primitive.bend && primitive.bend->curvature != 0.0;
 }
@@ -153,7 +189,7 @@ std::string name_of_primitive(const Model& model, std::size_t primitive) {
 }
 
 bool is_union_of_convex(const Model& model) {
-  return verify::is_union(model) && std::ranges::none_of(model.primitives, is_bent);
+  return verify::is_union(model) && std::ranges::none_of(model.primitives, is_bent) && !has_mesh(model);
 }
 
 void verify::require_union_of_convex(const Model& model, std::string_view what) {

@@ -36,8 +36,12 @@ struct Fault {
 /// The first that breaks a precondition of model.hpp. A bend must be proven to keep its limits, on the largest member.
 [[nodiscard]] std::optional<Fault> fault_of(const UncertainModel& model);
 
-/// Throws Error(input), "PLACE = VALUE: WHAT".
+/// Throws Error(input), "PLACE = VALUE: WHAT". Also throws if a primitive is a mesh: for whatever reads
+/// `Primitive::superquadric` without a look at `Primitive::mesh`.
 void require_valid(const UncertainModel& model);
+
+/// The same for what answers for meshes, too.
+void require_valid_with_meshes(const UncertainModel& model);
 
 /// Throws the same error for a point with a number that is not finite.
 void require_finite(const Point& point, const std::string& name);
