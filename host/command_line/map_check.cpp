@@ -127,15 +127,25 @@ class Drawing {
   Mesh points_;
 };
 
+/// From the corners of the box around any superquadric; for a bent one as far across its axis and then along it.
+double reach_of(const UncertainPrimitive& primitive) {
+  const auto& [a1, a2, a3] = primitive.semi_axes;
+  const double widening = 1.0 + std::abs(primitive.taper - 1.0) / (primitive.taper + 1.0);
+  const double across = std::hypot(widening * a1.hi, widening * a2.hi);
+  return primitive.bend ? across + a3.hi : std::hypot(across, a3.hi);
+}
+
+double reach_of(const Mesh& mesh) {
+  double reach = 0.0;
+  for (const auto& [x, y, z] : mesh.vertices) reach = std::max(reach, std::hypot(x, y, z));
+  return reach;
+}
+
 /// At least the radius of the model's bounding sphere as it determines the width of the tightest enclosures.
 double radius_at_most(const UncertainModel& model) {
   std::vector<Point> corners;
   for (const UncertainPrimitive& primitive : model.primitives) {
-    const auto& [a1, a2, a3] = primitive.semi_axes;
-    const double widening = 1.0 + std::abs(primitive.taper - 1.0) / (primitive.taper + 1.0);
-    // From the corners of the box around any superquadric; for a bent one as far across its axis and then along it.
-    const double across = std::hypot(widening * a1.hi, widening * a2.hi);
-    const double reach = primitive.bend ? across + a3.hi : std::hypot(across, a3.hi);
+    const double reach = primitive.mesh ? reach_of(*primitive.mesh) : reach_of(primitive);
     for (const double sign : {-1.0, 1.0}) {
       const auto& t = primitive.translation;
       corners.push_back({t[0].lo + sign * reach, t[1].lo + sign * reach, t[2].lo + sign * reach});

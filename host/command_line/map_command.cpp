@@ -86,9 +86,8 @@ constexpr const char* closing_words_of_map =
     "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second\n"
     "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
     "With -o - the rows go to the standard output and the summary to the standard error.\n"
-    "A closed mesh may be the --model, an implant as .stl: its solid is every point about which its triangles wind. "
-    "So\n"
-    "far the host maps points to it, without certificates, closest points, report and picture.\n"
+    "A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which\n"
+    "its triangles wind. So far the host maps points to it.\n"
     "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
     "the largest); -o may be left out then.\n"
     "\n"
@@ -124,15 +123,34 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
 /// An inexact model or point is proven by single primitives alone. Distances of triangles to unions of convex
 /// primitives are the least of the primitives' distances.
 bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
-  const bool convex = is_union_of_convex(bracket(model).largest);
+  const Model largest = bracket(model).largest;
+  if (has_mesh(largest)) return false;
+  const bool convex = is_union_of_convex(largest);
   const bool single = convex && (arguments.on == MapElements::triangles || model.primitives.size() == 1);
   return arguments.certificates && arguments.point_radius == 0.0 && is_exact(model) && !single;
+}
+
+/// Meshes are solids for points, so far.
+void refuse_what_meshes_lack(const Model& model, const MapArguments& arguments) {
+  if (!has_mesh(model)) return;
+  const auto refuse_option = [&](std::string_view option, std::string_view why) {
+    refuse(fmt::format("{}: {}: {}", option, arguments.inputs.model, why));
+  };
+  if (arguments.on == MapElements::triangles) refuse_option("--on triangles", "meshes answer for points alone so far");
+  if (arguments.method == Method::published) refuse_option("--method published", "not supported for meshes");
+  if (arguments.part && !is_mesh_name(arguments.inputs.model))
+    refuse_option("--part", "its meshes lie in files of their own, which parts do not record: give the mesh itself");
+  if (arguments.certificates && !arguments.report.html.empty()) {
+    refuse_option("--report with --certificates",
+                  "the page cannot prove distances to meshes: give -o map.csv --certificates for `verisq check`");
+  }
 }
 
 /// The library refuses the same without naming file and option.
 void refuse_what_needs_convexity(const UncertainModel& uncertain, const MapArguments& arguments) {
   const Model model = bracket(uncertain).largest;
-  if (is_union_of_convex(model)) return;
+  refuse_what_meshes_lack(model, arguments);
+  if (is_union_of_convex(model) || has_mesh(model)) return;
   const auto refuse_option = [&](std::string_view option) {
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
@@ -420,71 +438,6 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   return map_to_file(peeked, drawn_part ? nullptr : stream.mesh(), make_mapper, request);
 }
 
-/// A mesh as the model is a solid for points alone, so far.
-void refuse_what_meshes_lack(const MapArguments& arguments) {
-  const auto refuse_option = [&](std::string_view option, std::string_view why) {
-    refuse(fmt::format("{}: {}: is a mesh: {}", option, arguments.inputs.model, why));
-  };
-  if (arguments.on == MapElements::triangles) refuse_option("--on triangles", "points and vertices alone so far");
-  if (arguments.certificates) refuse_option("--certificates", "has none yet");
-  if (asks_for_closest_points(arguments)) refuse_option("--closest-points", "are not proven of one yet");
-  if (arguments.report.any()) refuse_option(report_option(arguments), "is not drawn yet");
-  if (arguments.inputs.pose) refuse_option("--pose", "move it in its own file");
-  if (arguments.part) refuse_option("--part", "is mapped as a whole so far");
-  if (arguments.time_limit) refuse_option("--time-limit", "its rows need no search");
-}
-
-/// Tells where depths may be larger than the rows say.
-void tell_of_solid(const MeshMapper& mapper, const MapArguments& arguments) {
-  const MeshMapper::Facts facts = mapper.facts();
-  if (facts.is_depth_exact) return;
-  tell(fmt::format(
-      "note: {}: {} of {} triangles may cross, touch or coincide with others: distances outside and sides are exact, a "
-      "depth inside is at least that to the nearest triangle, and may be more",
-      quotation(arguments.inputs.model), facts.unclean, facts.triangles));
-}
-
-/// The fault of a mesh is told with the name of its file.
-MeshMapper solid_of(const Mesh& solid, const MapOptions& options, const std::string& file) try {
-  return {solid, options};
-} catch (const Error& error) {
-  if (error.kind() != ErrorKind::input) throw;
-  refuse(fmt::format("{}: {}", file, error.what()));
-}
-
-/// Maps points to the solid that a closed mesh bounds.
-ExitStatus map_to_mesh(const MapArguments& arguments) {
-  refuse_what_meshes_lack(arguments);
-  const Mesh solid = read_mesh(arguments.inputs.model);
-  PointStream stream(arguments.inputs);
-  PeekedStream peeked(stream);
-  const double radius = extent_of(solid.vertices).half_diagonal();
-  const MapOptions options{.tolerance = arguments.tolerance
-                                            ? *arguments.tolerance
-                                            : default_tolerance(tolerance_of_distances, radius, "the model"),
-                           .device = arguments.device,
-                           .method = arguments.method,
-                           .point_radius = arguments.point_radius,
-                           .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
-                           .interrupted = interrupted};
-  const auto make_mapper = [&] {
-    MeshMapper mapper = solid_of(solid, options, arguments.inputs.model);
-    tell_of_solid(mapper, arguments);
-    return mapper;
-  };
-  const MapRequest request{.elements = MapElements::vertices,
-                           .contents = MapContents::enclosures,
-                           .output = arguments.output,
-                           .format = format_of(arguments),
-                           .columns = arguments.columns,
-                           .rows = stream.count(),
-                           .units = "",
-                           .tolerance = options.tolerance,
-                           .show_progress = !arguments.no_progress,
-                           .json = arguments.json};
-  return map_to_file(peeked, stream.mesh(), make_mapper, request);
-}
-
 }  // namespace
 
 void declare_map(Options& options, MapArguments& arguments) {
@@ -538,7 +491,6 @@ void declare_map(Options& options, MapArguments& arguments) {
 
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
-  if (is_mesh_name(arguments.inputs.model)) return map_to_mesh(arguments);
   Deadline limit(arguments.time_limit, interrupted);
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;

@@ -4,11 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 #include <verisq/clearance.hpp>
+#include <verisq/error.hpp>
 #include <verisq/features.hpp>
 #include <verisq/files.hpp>
 
@@ -171,21 +176,80 @@ Bend read_bend(const JsonValue& value) {
   return {value.at("curvature").number(), value.at("angle_deg").number()};
 }
 
-UncertainPrimitive read_primitive(const JsonValue& value, Intervals intervals) {
-  value.check_keys({"name", "superquadric", "bend", "pose"});
+std::uint32_t read_index(const JsonValue& value, std::size_t count) {
+  if (!value.json().is_number_unsigned() || value.json().get<std::uint64_t>() >= count)
+    value.fail(fmt::format("must be the index of a vertex, from 0 to {}", count - 1));
+  return value.json().get<std::uint32_t>();
+}
+
+Mesh read_inline_mesh(const JsonValue& value) {
+  Mesh mesh;
+  const JsonValue vertices = value.at("vertices");
+  const JsonValue triangles = value.at("triangles");
+  const std::size_t count = vertices.size();
+  mesh.vertices.reserve(count);
+  for (std::size_t n = 0; n < count; ++n) mesh.vertices.push_back(numbers<3>(vertices.element(n)));
+  mesh.triangles.reserve(triangles.size());
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    const JsonValue corners = triangles.element(n);
+    check_size(corners, 3);
+    mesh.triangles.push_back({read_index(corners.element(0), count), read_index(corners.element(1), count),
+                              read_index(corners.element(2), count)});
+  }
+  return mesh;
+}
+
+/// Products are rounded to nearest: the solid is that of the rounded vertices.
+void scale(Mesh& mesh, const JsonValue& value) {
+  const double factor = value.number();
+  if (!(factor > 0.0)) value.fail("must be positive");
+  for (Point& vertex : mesh.vertices) {
+    for (double& coordinate : vertex) coordinate *= factor;
+    if (!std::ranges::all_of(vertex, [](double x) { return std::isfinite(x); })) value.fail("makes a vertex overflow");
+  }
+}
+
+/// {"file": "stem.stl", "scale": 0.001}, its name relative to the model's folder, or {"vertices": ..., "triangles":
+/// ...}.
+Mesh read_mesh_of(const JsonValue& value, std::string_view model) {
+  const auto file = value.find("file");
+  value.check_keys(file ? std::initializer_list<std::string_view>{"file", "scale"}
+                        : std::initializer_list<std::string_view>{"vertices", "triangles", "scale"});
+  Mesh mesh = file ? read_mesh(std::filesystem::path(model).parent_path() / file->name()) : read_inline_mesh(value);
+  if (const auto factor = value.find("scale")) scale(mesh, *factor);
+  return mesh;
+}
+
+/// Of a closed mesh. Its fault is told at its place.
+Primitive solid_of(const JsonValue& value, std::string_view model, const std::string& name) {
+  Mesh mesh = read_mesh_of(value, model);
+  try {
+    return mesh_primitive(name, std::move(mesh));
+  } catch (const Error& error) {
+    value.fail(error.what());
+  }
+}
+
+UncertainPrimitive read_primitive(const JsonValue& value, std::string_view model, Intervals intervals) {
+  value.check_keys({"name", "superquadric", "mesh", "bend", "pose"});
   UncertainPrimitive primitive{value.at("name").line(), {}, {}, {}, Pose{}.quaternion};
-  read_superquadric(value.at("superquadric"), intervals, primitive);
+  if (const auto mesh = value.find("mesh")) {
+    if (value.find("superquadric")) mesh->fail("is another solid beside the superquadric: give one of them");
+    primitive.mesh = solid_of(*mesh, model, primitive.name).mesh;
+  } else {
+    read_superquadric(value.at("superquadric"), intervals, primitive);
+  }
   if (const auto pose = value.find("pose")) read_pose(*pose, intervals, primitive);
   if (const auto bend = value.find("bend")) primitive.bend = read_bend(*bend);
   return primitive;
 }
 
-std::vector<UncertainPrimitive> read_primitives(const JsonValue& value, Intervals intervals) {
+std::vector<UncertainPrimitive> read_primitives(const JsonValue& value, std::string_view model, Intervals intervals) {
   std::vector<UncertainPrimitive> primitives;
   std::set<std::string> names;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const JsonValue element = value.element(k);
-    primitives.push_back(read_primitive(element, intervals));
+    primitives.push_back(read_primitive(element, model, intervals));
     if (!names.insert(primitives.back().name).second) {
       element.at("name").fail("another primitive has this name");
     }
@@ -245,7 +309,7 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
   if (is_exact(model)) return;
   Model shape{model.units, {}, model.csg};
   for (const UncertainPrimitive& primitive : model.primitives) {
-    shape.primitives.push_back({primitive.name, largest(primitive), {}, primitive.bend});
+    shape.primitives.push_back({primitive.name, largest(primitive), {}, primitive.bend, primitive.mesh});
   }
   verify::require_no_taper(shape, fmt::format("{}: intervals", name));
   const bool moves = std::ranges::any_of(model.primitives, [](const UncertainPrimitive& primitive) {
@@ -271,7 +335,7 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
   ModelDocument result;
   UncertainModel& model = result.model;
   if (const auto units = root.find("units")) model.units = units->line();
-  model.primitives = read_primitives(root.at("primitives"), intervals);
+  model.primitives = read_primitives(root.at("primitives"), name, intervals);
   if (const auto csg = root.find("csg")) model.csg = SetExpressions(model.primitives).read_operator(*csg);
   if (const auto fault = verify::fault_of(model)) root.at_place(fault->place).fail(fault->what);
   check_intervals(model, name);
@@ -284,11 +348,6 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
 template <class Parse>
 auto read(const std::filesystem::path& path, Parse parse) {
   constexpr std::size_t largest = std::size_t{1} << 26;
-  if (is_mesh_name(path))
-    refuse(
-        fmt::format("{}: is a mesh: so far maps of points alone take one as the model; recover a model of it for all "
-                    "else",
-                    path.string()));
   InputFile file(path);
   const std::string_view text = file.peek_text(largest + 1);
   if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: not a model", largest));
@@ -314,20 +373,34 @@ FemurLandmarks parse_model_landmarks(std::string_view json, std::string_view nam
   return parse(json, name, Intervals::allowed).landmarks;
 }
 
+namespace {
+
+/// The model of one mesh, named as its file.
+Model model_of_mesh(const std::filesystem::path& path) {
+  Mesh mesh = read_mesh(path);
+  try {
+    return {"", {mesh_primitive(path.stem().string(), std::move(mesh))}};
+  } catch (const Error& error) {
+    refuse(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace
+
 Model read_model(const std::filesystem::path& path) {
-  return read(path, parse_model);
+  return is_mesh_name(path) ? model_of_mesh(path) : read(path, parse_model);
 }
 
 UncertainModel read_uncertain_model(const std::filesystem::path& path) {
-  return read(path, parse_uncertain_model);
+  return is_mesh_name(path) ? model_of_mesh(path) : read(path, parse_uncertain_model);
 }
 
 std::vector<AreaBox> read_areas(const std::filesystem::path& model) {
-  return read(model, parse_areas);
+  return is_mesh_name(model) ? std::vector<AreaBox>() : read(model, parse_areas);
 }
 
 FemurLandmarks read_model_landmarks(const std::filesystem::path& model) {
-  return read(model, parse_model_landmarks);
+  return is_mesh_name(model) ? FemurLandmarks() : read(model, parse_model_landmarks);
 }
 
 }  // namespace verisq

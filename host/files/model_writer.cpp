@@ -22,12 +22,18 @@ std::string text(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string text(const Primitive& primitive) {
+std::string superquadric_text(const Primitive& primitive) {
   const auto& [semi_axes, exponents, taper] = primitive.superquadric;
   const std::string tapered = is_tapered(primitive.superquadric) ? fmt::format(R"(, "taper": {})", text(taper)) : "";
-  std::string result = fmt::format(R"(    {{ "name": {},
-      "superquadric": {{ "semi_axes": {}, "exponents": {}{} }})",
-                                   text(primitive.name), text(semi_axes), text(exponents), tapered);
+  return fmt::format(R"("superquadric": {{ "semi_axes": {}, "exponents": {}{} }})", text(semi_axes), text(exponents),
+                     tapered);
+}
+
+std::string text(const Primitive& primitive) {
+  std::string result = fmt::format("    {{ \"name\": {},\n      ", text(primitive.name));
+  result += primitive.mesh ? fmt::format(R"("mesh": {{ "vertices": {}, "triangles": {} }})",
+                                         text(primitive.mesh->vertices), text(primitive.mesh->triangles))
+                           : superquadric_text(primitive);
   if (primitive.bend) {
     result += fmt::format(R"(,
       "bend": {{ "curvature": {}, "angle_deg": {} }})",
@@ -91,7 +97,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
 }
 
 void write_model(const std::filesystem::path& path, const Model& model, const FemurLandmarks& landmarks) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   OutputFile file(path);
   file.write(text(model, landmarks));
   file.finish();

@@ -178,6 +178,7 @@ device::RowCriterion criterion(const MapOptions& options, double radius, bool se
 }  // namespace
 
 std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
+  if (has_mesh(model)) return mesh_map(model, options);
   using Map = PreparedMap<Point, PointProver>;
   std::string unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
@@ -338,6 +339,7 @@ class TriangleProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
+  verify::require_valid(model);
   if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
   if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
   const auto make_batch = [model, certificates = options.certificates](const device::Device& device) {

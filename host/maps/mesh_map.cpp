@@ -1,18 +1,22 @@
-/// Maps of points to a closed mesh as a solid, by the host.
+/// Maps of points to unions with closed meshes: the host asks the meshes, a device may map the other primitives.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/maps/certified_rows.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/uncertain_map.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/search/closed_mesh.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verisq/error.hpp"
 #include "verisq/map.hpp"
 
@@ -20,21 +24,12 @@ namespace verisq {
 namespace {
 
 using verify::ClosedMesh;
+using verify::MeshUnion;
 
 /// Points that one thread takes at a time: enough for neighbours to be coherent.
 constexpr std::size_t points_at_once = 1024;
 /// Points between two polls of an interruption.
 constexpr std::size_t chunk_size = std::size_t{1} << 15U;
-
-void refuse_what_meshes_lack(const MapOptions& options) {
-  const auto refuse = [](const char* what) {
-    throw Error(ErrorKind::input, fmt::format("a mesh as the model: {}", what));
-  };
-  if (options.device != "auto" && options.device != "host") refuse("the host maps it: no other device yet");
-  if (options.certificates) refuse("has no certificates yet");
-  if (options.method != Method::duality) refuse("the published method knows superquadrics alone");
-  if (options.point_radius > 0.0 || options.pose_uncertainty) refuse("points and places must be exact so far");
-}
 
 void require_finite(std::span<const Point> points) {
   for (const auto& [x, y, z] : points) {
@@ -43,71 +38,114 @@ void require_finite(std::span<const Point> points) {
   }
 }
 
-}  // namespace
+/// What depths mean in a mesh whose triangles cross; empty where they are exact.
+std::string note_of(const MeshUnion::Part& part, const Model& model) {
+  const ClosedMesh::Facts& facts = part.mesh.mesh().facts();
+  if (facts.depth_is_exact()) return "";
+  return fmt::format(
+      "{}: {} of {} triangles may cross, touch or coincide with others, or lie inside: distances outside and sides are "
+      "exact, a depth inside is at least that to the nearest triangle, and may be more",
+      name_of_primitive(model, part.primitive), facts.triangles - facts.outward - facts.inward, facts.triangles);
+}
 
-struct MeshMapper::State {
-  State(const Mesh& m, const MapOptions& o) : solid(m), options(o) {
-    const Point& lower = solid.tree().lower();
-    const Point& upper = solid.tree().upper();
-    for (std::size_t i = 0; i < 3; ++i) size = std::max({size, std::abs(lower[i]), std::abs(upper[i])});
-  }
-
-  /// A tolerance of 0 asks for the tightest: that is a share of the largest coordinate, as for superquadrics.
-  [[nodiscard]] bool is_verified(const Point& point, const Enclosure& distance) const {
-    const double largest = std::max({size, std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
-    return distance.width() <= (options.tolerance > 0.0 ? options.tolerance : tightest_outside * largest);
-  }
-
-  void prove(std::span<const Point> points, std::span<MapResult> rows) const {
-    std::vector<ClosedMesh::Distance> distances(points.size());
-    solid.signed_distances(points, distances);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Enclosure& found = distances[i].signed_distance;
-      rows[i] = {found, is_verified(points[i], found) ? Status::host_verified : Status::wide};
+class MeshMap final : public ExactMap<Point> {
+ public:
+  MeshMap(const Model& model, const MapOptions& options)
+      : options_(options), radius_(bounding_radius(model)), solids_(model) {
+    if (options.method != Method::duality)
+      throw Error(ErrorKind::input, "the published method: not supported for meshes");
+    for (const MeshUnion::Part& part : solids_.meshes()) {
+      if (const std::string note = note_of(part, model); !note.empty()) notice_ += (notice_.empty() ? "" : "; ") + note;
+    }
+    if (solids_.others()) {
+      MapOptions of_others = options;
+      of_others.covers = false;
+      others_ = point_map(*solids_.others(), of_others);
+    } else if (options.device != "auto" && options.device != "host") {
+      throw Error(ErrorKind::input,
+                  fmt::format("device {}: the host maps meshes, no other device yet", options.device));
     }
   }
 
-  ClosedMesh solid;
-  MapOptions options;
-  double size = 0.0;  ///< the largest coordinate
-};
+  MapSummary map(const Source<Point>& source, const Sink<Point>& sink) override {
+    MapSummary summary = empty_summary();
+    summary.device = "host";
+    std::vector<Point> points(chunk_size);
+    while (!(summary.interrupted = options_.interrupted())) {
+      points.resize(chunk_size);
+      points.resize(source(points));
+      if (points.empty()) break;
+      require_finite(points);
+      const MapRows others = others_ ? map_chunk<Point>(*others_, points) : MapRows{};
+      if (others_) add_run(others.summary, summary);
+      if (summary.interrupted) break;
+      deliver(points, others, summary, sink);
+    }
+    if (!notice_.empty()) summary.notice += (summary.notice.empty() ? "" : "; ") + notice_;
+    return summary;
+  }
 
-MeshMapper::MeshMapper(const Mesh& solid, const MapOptions& options) {
-  refuse_what_meshes_lack(options);
-  state_ = std::make_unique<State>(solid, options);
-}
+ private:
+  static void add_run(const MapSummary& run, MapSummary& summary) {
+    if (run.device != "host") summary.device = "host and " + run.device;
+    summary.notice = run.notice;
+    summary.device_seconds += run.device_seconds;
+    summary.host_seconds += run.host_seconds;
+    summary.interrupted = summary.interrupted || run.interrupted;
+    summary.out_of_time = summary.out_of_time || run.out_of_time;
+  }
 
-MeshMapper::~MeshMapper() = default;
-MeshMapper::MeshMapper(MeshMapper&&) noexcept = default;
-MeshMapper& MeshMapper::operator=(MeshMapper&&) noexcept = default;
-
-MapSummary MeshMapper::map(const Source<Point>& source, const Sink<Point>& sink) const {
-  MapSummary summary = empty_summary();
-  summary.device = "host";
-  std::vector<Point> points(chunk_size);
-  std::vector<MapResult> rows(chunk_size);
-  while (!(summary.interrupted = state_->options.interrupted())) {
-    const std::size_t count = source(points);
-    if (count == 0) break;
-    const auto chunk = std::span<const Point>(points).first(count);
-    require_finite(chunk);
+  void deliver(std::span<const Point> points, const MapRows& others, MapSummary& summary,
+               const Sink<Point>& sink) const {
     const auto start = std::chrono::steady_clock::now();
-    in_parallel((count + points_at_once - 1) / points_at_once, [&](std::size_t part) {
+    std::vector<MapResult> rows(points.size());
+    std::vector<Certificate> certificates(options_.certificates ? points.size() : 0);
+    in_parallel((points.size() + points_at_once - 1) / points_at_once, [&](std::size_t part) {
       const std::size_t first = part * points_at_once;
-      const std::size_t some = std::min(points_at_once, count - first);
-      state_->prove(chunk.subspan(first, some), std::span(rows).subspan(first, some));
+      prove(points, first, std::min(points_at_once, points.size() - first), others, rows, certificates);
     });
     summary.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const auto finished = std::span<const MapResult>(rows).first(count);
-    verisq::count(summary, finished);
-    sink(chunk, finished, {});
+    count(summary, rows);
+    sink(points, rows, certificates);
   }
-  return summary;
-}
 
-MeshMapper::Facts MeshMapper::facts() const {
-  const ClosedMesh::Facts& facts = state_->solid.facts();
-  return {facts.triangles, facts.unclean, facts.depth_is_exact()};
+  void prove(std::span<const Point> points, std::size_t first, std::size_t size, const MapRows& others,
+             std::span<MapResult> rows, std::span<Certificate> certificates) const {
+    const std::size_t meshes = solids_.meshes().size();
+    std::vector<ClosedMesh::Distance> by_mesh(meshes * size);
+    for (std::size_t k = 0; k < meshes; ++k) {
+      solids_.meshes()[k].mesh.signed_distances(points.subspan(first, size),
+                                                std::span(by_mesh).subspan(k * size, size));
+    }
+    std::vector<ClosedMesh::Distance> to_meshes(meshes);
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t k = 0; k < meshes; ++k) to_meshes[k] = by_mesh[k * size + i];
+      const std::size_t n = first + i;
+      std::optional<CertifiedEnclosure> to_others;
+      if (others_) to_others = {others.results[n].distance, {}};
+      if (others_ && options_.certificates) to_others->certificate = others.certificates[n];
+      CertifiedEnclosure found = solids_.joined(points[n], to_meshes, to_others);
+      rows[n] = {found.distance, is_good(points[n], found.distance) ? Status::host_verified : Status::wide};
+      if (options_.certificates) certificates[n] = std::move(found.certificate);
+    }
+  }
+
+  /// At most the tolerance wide; if 0 requests the tightest, as tight as maps of superquadrics are at best.
+  [[nodiscard]] bool is_good(const Point& point, const Enclosure& found) const {
+    return verified(found, options_.tolerance > 0.0 ? options_.tolerance : tightest_width(point, found, radius_));
+  }
+
+  MapOptions options_;
+  double radius_;
+  MeshUnion solids_;
+  std::string notice_;
+  std::unique_ptr<ExactMap<Point>> others_;
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options) {
+  return std::make_unique<MeshMap>(model, options);
 }
 
 }  // namespace verisq

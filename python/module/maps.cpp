@@ -332,40 +332,6 @@ PythonMap map(const PythonModel& model, const py::handle& object, const std::opt
   return found;
 }
 
-/// Half the diagonal of the box about the mesh.
-double radius_of(const Mesh& mesh) {
-  std::array<double, 3> half{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [lower, upper] =
-        std::ranges::minmax(mesh.vertices, {}, [axis](const Point& vertex) { return vertex[axis]; });
-    half[axis] = upper[axis] / 2.0 - lower[axis] / 2.0;
-  }
-  return std::hypot(half[0], half[1], half[2]);
-}
-
-/// Maps points to a closed mesh as the solid.
-PythonMap map_to_mesh(const PythonMesh& solid, const py::handle& object, const std::optional<double>& tolerance) {
-  const Queries<Point> queries(object);
-  if (solid.mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles: it is no solid");
-  const double width = tolerance_or_default(tolerance, radius_of(solid.mesh));
-  PythonMap map = empty_map(queries.size(), width);
-  const ResultColumns rows = columns(map);
-  const auto source = [&, read = std::size_t{0}](std::span<Point> points) mutable {
-    const std::size_t count = std::min(points.size(), queries.size() - read);
-    for (std::size_t i = 0; i < count; ++i) points[i] = queries[read + i];
-    read += count;
-    return count;
-  };
-  const auto sink = [&, written = std::size_t{0}](std::span<const Point>, std::span<const MapResult> results,
-                                                  std::span<const Certificate>) mutable {
-    for (const MapResult& result : results) rows.set(written++, result);
-  };
-  Interruption interruption;
-  const MapOptions options{.tolerance = width, .interrupted = interruption.poll()};
-  map.summary = without_lock(interruption, [&] { return MeshMapper(solid.mesh, options).map(source, sink); });
-  return map;
-}
-
 PythonMap map_of_poses(const PythonModel& a, const PythonModel& b, const py::handle& object,
                        const std::optional<double>& tolerance, const std::string& device,
                        const std::optional<double>& time_limit, const MaybeUncertain& pose_uncertainty) {
@@ -462,10 +428,6 @@ void declare_maps(py::module_& module) {
       "Other threads of Python run meanwhile. Ctrl-C ends the map: KeyboardInterrupt.\n\n"
       "Raises ValueError for another shape, TypeError for numbers that binary64 does not hold exactly, Error for a\n"
       "point that is not finite, and for models and devices as `verisq map` does.");
-  module.def("map", map_to_mesh, py::arg("model"), py::arg("points"), py::kw_only(), py::arg("tolerance") = py::none(),
-             "map(mesh, points, *, tolerance=None) -> Map\n\n"
-             "The same for a closed Mesh as the solid: every point about which its triangles wind. Inside, a row is\n"
-             "minus the distance to the nearest triangle. Raises Error for a mesh that is not closed.");
   declare_map<Triangle>(
       module, "map_triangles", "triangles",
       "map_triangles(model, triangles, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"

@@ -77,17 +77,31 @@ py::list list(const std::array<Enclosure, N>& numbers) {
   return result;
 }
 
-py::dict dictionary(const UncertainPrimitive& primitive) {
+py::dict superquadric_of(const UncertainPrimitive& primitive) {
   py::dict superquadric;
   superquadric["semi_axes"] = list(primitive.semi_axes);
   superquadric["exponents"] = list(primitive.exponents);
   if (primitive.taper != 1.0) superquadric["taper"] = primitive.taper;
+  return superquadric;
+}
+
+py::dict dictionary(const Mesh& mesh) {
+  py::dict result;
+  result["vertices"] = mesh.vertices;
+  result["triangles"] = mesh.triangles;
+  return result;
+}
+
+py::dict dictionary(const UncertainPrimitive& primitive) {
   py::dict pose;
   pose["translation"] = list(primitive.translation);
   pose["quaternion"] = std::vector<double>(primitive.quaternion.begin(), primitive.quaternion.end());
   py::dict result;
   result["name"] = primitive.name;
-  result["superquadric"] = superquadric;
+  if (primitive.mesh)
+    result["mesh"] = dictionary(*primitive.mesh);
+  else
+    result["superquadric"] = superquadric_of(primitive);
   if (primitive.bend) {
     py::dict bend;
     bend["curvature"] = primitive.bend->curvature;
@@ -164,6 +178,12 @@ PythonModel from_dictionary(const py::dict& description) {
   const py::object text =
       py::module_::import("json").attr("dumps")(description, py::arg("default") = py::cpp_function(plain));
   return from_text(text.cast<std::string>(), name_of_text);
+}
+
+PythonModel from_mesh(const PythonMesh& solid, const std::string& name, const std::string& units,
+                      const py::handle& at) {
+  Model model{units, {mesh_primitive(name, solid.mesh, at.is_none() ? Pose() : pose(at))}};
+  return PythonModel(UncertainModel(model));
 }
 
 std::vector<std::string> names(const PythonModel& model) {
@@ -252,6 +272,13 @@ void declare_models(py::module_& module) {
       .def_static("from_dict", from_dictionary, py::arg("description"),
                   "from_dict(description) -> Model\n\nThe same from the dictionary that the JSON would be; arrays may\n"
                   "stand for lists. Every number is taken as its binary64.")
+      .def_static("from_mesh", from_mesh, py::arg("mesh"), py::kw_only(), py::arg("name") = "mesh",
+                  py::arg("units") = "", py::arg("pose") = py::none(),
+                  "from_mesh(mesh, *, name=\"mesh\", units=\"\", pose=None) -> Model\n\n"
+                  "The model of one solid: every point about which the triangles of a closed Mesh wind. pose: seven\n"
+                  "numbers, translation in model units and quaternion [w, x, y, z]. Model.load takes mesh files, too.\n"
+                  "Raises Error, with the number of open edges, for a mesh that is not closed. So far for points:\n"
+                  "map(), Checker and closest_points().")
       .def(
           "to_dict", [](const PythonModel& self) { return dictionary(self); },
           "to_dict() -> dict\n\nWhat from_dict makes the same model of, bit for bit.")

@@ -4,8 +4,9 @@
     stem = verisq.Model.load("stem.json")
     lo, hi, status = verisq.map(stem, points)  # points: an array of shape (N, 3), in the model's units
 
-Models are posed superquadrics, bent, tapered or neither, and unions, intersections and differences of them. Distances
-of points are signed: positive outside, negative inside. A row that is wider than the tolerance is wide, and valid.
+Models are posed superquadrics, bent, tapered or neither, and closed meshes; unions, intersections and differences of
+them. Distances of points are signed: positive outside, negative inside. A row that is wider than the tolerance is wide,
+and valid.
 
 Models and meshes
     Model, Mesh, mesh_of_model

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterator, Literal, Mapping, Sequence, overload
+from typing import Any, Iterator, Literal, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,6 +35,8 @@ class Model:
     def loads(text: str, name: str = "model") -> Model: ...
     @staticmethod
     def from_dict(description: dict[str, Any]) -> Model: ...
+    @staticmethod
+    def from_mesh(mesh: Mesh, *, name: str = "mesh", units: str = "", pose: ArrayLike | None = None) -> Model: ...
     def to_dict(self) -> dict[str, Any]: ...
     def save(self, path: _Path) -> None: ...
     def posed(self, pose: ArrayLike) -> Model: ...
@@ -165,7 +167,6 @@ class PoseMapper:
     ) -> None: ...
     def __call__(self, poses: ArrayLike) -> Map: ...
 
-@overload
 def map(
     model: Model,
     points: ArrayLike,
@@ -177,8 +178,6 @@ def map(
     certificates: bool = False,
     pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
-@overload
-def map(model: Mesh, points: ArrayLike, *, tolerance: float | None = None) -> Map: ...
 def map_triangles(
     model: Model,
     triangles: ArrayLike,

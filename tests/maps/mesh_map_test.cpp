@@ -10,8 +10,11 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
 
 namespace verisq {
 namespace {
@@ -49,17 +52,28 @@ class PointsInChunks {
 struct Rows {
   std::vector<Point> points;
   std::vector<MapResult> results;
+  std::vector<Certificate> certificates;
   MapSummary summary;
 };
 
-Rows mapped(const MeshMapper& mapper, std::span<const Point> points) {
+Model model_of(const Mesh& mesh, const Pose& pose = {}) {
+  return {"", {mesh_primitive("solid", mesh, pose)}};
+}
+
+Rows mapped(const Model& model, const MapOptions& options, std::span<const Point> points) {
   Rows rows;
-  rows.summary = mapper.map(PointsInChunks(points), [&](std::span<const Point> some, std::span<const MapResult> results,
-                                                        std::span<const Certificate>) {
-    rows.points.insert(rows.points.end(), some.begin(), some.end());
-    rows.results.insert(rows.results.end(), results.begin(), results.end());
-  });
+  rows.summary = PointMapper(model, options)
+                     .map(PointsInChunks(points), [&](std::span<const Point> some, std::span<const MapResult> results,
+                                                      std::span<const Certificate> certificates) {
+                       rows.points.insert(rows.points.end(), some.begin(), some.end());
+                       rows.results.insert(rows.results.end(), results.begin(), results.end());
+                       rows.certificates.insert(rows.certificates.end(), certificates.begin(), certificates.end());
+                     });
   return rows;
+}
+
+Rows mapped(const Mesh& mesh, const MapOptions& options, std::span<const Point> points) {
+  return mapped(model_of(mesh), options, points);
 }
 
 std::vector<Point> points_about_cube(std::size_t count) {
@@ -81,15 +95,15 @@ double distance_to_cube(const Point& point) {
 }
 
 std::string refusal(const Mesh& mesh, const MapOptions& options) try {
-  const MeshMapper mapper(mesh, options);
+  const PointMapper mapper(model_of(mesh), options);
   return "";
 } catch (const Error& error) {
   return error.what();
 }
 
-TEST(MeshMapper, EnclosesTheDistanceOfEveryPointInOrder) {
+TEST(MeshMap, EnclosesTheDistanceOfEveryPointInOrder) {
   const std::vector<Point> points = points_about_cube(70'000);
-  const Rows rows = mapped(MeshMapper(cube(), {.tolerance = 1e-9}), points);
+  const Rows rows = mapped(cube(), {.tolerance = 1e-9}, points);
   ASSERT_EQ(rows.points, points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double exact = distance_to_cube(points[i]);
@@ -98,28 +112,102 @@ TEST(MeshMapper, EnclosesTheDistanceOfEveryPointInOrder) {
   }
   EXPECT_EQ(rows.summary.host_verified, points.size());
   EXPECT_EQ(rows.summary.device, "host");
+  EXPECT_EQ(rows.summary.notice, "");
 }
 
-TEST(MeshMapper, CallsRowsWideThatAreWiderThanTheTolerance) {
-  const Rows rows = mapped(MeshMapper(cube(), {.tolerance = 1e-300}), points_about_cube(100));
-  EXPECT_GT(rows.summary.wide, 50);
-  const Rows tightest = mapped(MeshMapper(cube(), {.tolerance = 0.0}), points_about_cube(100));
-  EXPECT_EQ(tightest.summary.wide, 0);
+/// A turn by a right angle about z leaves the cube in place, but for its centre.
+TEST(MeshMap, AsksAMeshWhereItsPosePlacesIt) {
+  const Pose pose{.translation = {10.0, 20.0, -5.0}, .quaternion = {1.0, 0.0, 0.0, 1.0}};
+  const std::vector<Point> about_cube = points_about_cube(1000);
+  std::vector<Point> points = about_cube;
+  for (Point& point : points) point = {point[0] + 10.0, point[1] + 20.0, point[2] - 5.0};
+  const Rows rows = mapped(model_of(cube(), pose), {.tolerance = 1e-9}, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double exact = distance_to_cube(about_cube[i]);
+    ASSERT_LE(rows.results[i].distance.lo, exact + 1e-14) << i;
+    ASSERT_GE(rows.results[i].distance.hi, exact - 1e-14) << i;
+    ASSERT_LE(rows.results[i].distance.width(), 1e-12) << i;
+  }
 }
 
-TEST(MeshMapper, SaysWhetherDepthsAreExact) {
-  EXPECT_TRUE(MeshMapper(cube(), {.tolerance = 1e-9}).facts().is_depth_exact);
+/// A ball beside the cube, within it in part.
+Model cube_and_ball() {
+  Model model = model_of(cube());
+  model.primitives.insert(model.primitives.begin(), {"ball", {{0.5, 0.5, 0.5}, {1.0, 1.0}}, {{1.0, 0.0, 0.0}}});
+  return model;
+}
+
+TEST(MeshMap, JoinsMeshesAndSuperquadrics) {
+  const std::vector<Point> points = points_about_cube(2000);
+  const Rows rows = mapped(cube_and_ball(), {.tolerance = 1e-9, .device = "host"}, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [x, y, z] = points[i];
+    const double least = std::min(distance_to_cube(points[i]), std::hypot(x - 1.0, y, z) - 0.5);
+    const Enclosure& found = rows.results[i].distance;
+    ASSERT_GE(found.hi, least > 0.0 ? least - 1e-15 : -2.0) << i;
+    ASSERT_LE(found.hi, least + 1e-14) << i << ": no primitive is nearer";
+    if (least > 1e-9) {
+      ASSERT_GE(found.lo, least - 1e-14) << i;
+    }
+    ASSERT_LE(found.lo, least + 1e-15) << i;
+    if (least < -0.5) {
+      ASSERT_GE(found.lo, -2.0) << i << ": a way out is known";
+    }
+  }
+}
+
+/// Where both touch, along the face of the cube, a point lies inside of the union, and on both surfaces.
+TEST(MeshMap, SeesThatTouchingSolidsCoverTheirCommonFace) {
+  Model model = model_of(cube());
+  model.primitives.push_back(mesh_primitive("beside", cube(), {.translation = {2.0, 0.0, 0.0}}));
+  const std::vector<Point> points{{1.0, 0.0, 0.0}, {1.0, 0.25, 0.5}, {3.5, 0.0, 0.0}};
+  const Rows rows = mapped(model, {.tolerance = 1e-9}, points);
+  EXPECT_LE(rows.results[0].distance.lo, -1.0) << "the depth of the union is 1";
+  EXPECT_LE(rows.results[1].distance.lo, -0.5);
+  EXPECT_NEAR(rows.results[2].distance.lo, 0.5, 1e-15);
+}
+
+TEST(MeshMap, CallsRowsWideThatAreWiderThanTheTolerance) {
+  EXPECT_GT(mapped(cube(), {.tolerance = 1e-300}, points_about_cube(100)).summary.wide, 50);
+  EXPECT_EQ(mapped(cube(), {.tolerance = 0.0}, points_about_cube(100)).summary.wide, 0);
+}
+
+TEST(MeshMap, WidensRowsOfUncertainPointsAndPlaces) {
+  const std::vector<Point> points{{2.0, 0.0, 0.0}};
+  const Enclosure of_ball = mapped(cube(), {.tolerance = 1.0, .point_radius = 0.25}, points).results[0].distance;
+  EXPECT_NEAR(of_ball.lo, 0.75, 1e-12);
+  EXPECT_NEAR(of_ball.hi, 1.25, 1e-12);
+  const MapOptions shifted{.tolerance = 1.0, .pose_uncertainty = PoseUncertainty{.translation = {0.5, 0.0, 0.0}}};
+  const Enclosure of_places = mapped(cube(), shifted, points).results[0].distance;
+  EXPECT_NEAR(of_places.lo, 0.5, 1e-12);
+  EXPECT_NEAR(of_places.hi, 1.5, 1e-12);
+}
+
+TEST(MeshMap, SaysWhereDepthsAreNotExact) {
   Mesh crossing = cube();
   for (const Point& vertex : cube().vertices)
     crossing.vertices.push_back({vertex[0] + 1.0, vertex[1], vertex[2] + 0.5});
   for (const auto& [a, b, c] : cube().triangles) crossing.triangles.push_back({a + 8, b + 8, c + 8});
-  const MeshMapper::Facts facts = MeshMapper(crossing, {.tolerance = 1e-9}).facts();
-  EXPECT_FALSE(facts.is_depth_exact);
-  EXPECT_GT(facts.unclean, 0);
-  EXPECT_EQ(facts.triangles, 24);
+  const Rows rows = mapped(crossing, {.tolerance = 1e-9}, points_about_cube(10));
+  EXPECT_THAT(rows.summary.notice, HasSubstr("solid: "));
+  EXPECT_THAT(rows.summary.notice, HasSubstr("of 24 triangles may cross"));
 }
 
-TEST(MeshMapper, RefusesWhatIsNoSolid) {
+TEST(MeshMap, ItsCertificatesProveItsRows) {
+  const std::vector<Point> points = points_about_cube(500);
+  for (const Model& model : {model_of(cube()), cube_and_ball()}) {
+    const Rows rows = mapped(model, {.tolerance = 1e-9, .device = "host", .certificates = true}, points);
+    ASSERT_EQ(rows.certificates.size(), points.size());
+    const Checker checker(model);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Enclosure& claimed = rows.results[i].distance;
+      ASSERT_EQ(checker(points[i], claimed, rows.certificates[i]).verdict, Verdict::proved)
+          << i << ": [" << claimed.lo << ", " << claimed.hi << "]";
+    }
+  }
+}
+
+TEST(MeshMap, RefusesWhatIsNoSolid) {
   Mesh opened = cube();
   opened.triangles.pop_back();
   EXPECT_THAT(refusal(opened, {.tolerance = 1e-9}), HasSubstr("3"));
@@ -127,15 +215,13 @@ TEST(MeshMapper, RefusesWhatIsNoSolid) {
   EXPECT_EQ(refusal(cube(), {.tolerance = 1e-9}), "");
 }
 
-TEST(MeshMapper, RefusesWhatItDoesNotHaveYet) {
-  EXPECT_THAT(refusal(cube(), {.tolerance = 1e-9, .certificates = true}), HasSubstr("certificates"));
+TEST(MeshMap, RefusesWhatItDoesNotHaveYet) {
   EXPECT_THAT(refusal(cube(), {.tolerance = 1e-9, .device = "0"}), HasSubstr("device"));
-  EXPECT_THAT(refusal(cube(), {.tolerance = 1e-9, .point_radius = 0.5}), HasSubstr("exact"));
+  EXPECT_THAT(refusal(cube(), {.tolerance = 1e-9, .method = Method::published}), HasSubstr("published"));
 }
 
-TEST(MeshMapper, EndsBetweenChunksWhenInterrupted) {
-  const Rows rows =
-      mapped(MeshMapper(cube(), {.tolerance = 1e-9, .interrupted = [] { return true; }}), points_about_cube(10));
+TEST(MeshMap, EndsBetweenChunksWhenInterrupted) {
+  const Rows rows = mapped(cube(), {.tolerance = 1e-9, .interrupted = [] { return true; }}, points_about_cube(10));
   EXPECT_TRUE(rows.summary.interrupted);
   EXPECT_EQ(rows.summary.points, 0);
 }

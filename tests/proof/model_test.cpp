@@ -1,8 +1,10 @@
 /// What kind of solid a model is, and that everything which rests on convex certificates refuses the other kinds.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
+#include <string_view>
 #include <verisq/verisq.hpp>
 
 #include "tests/fixtures/sample_meshes.hpp"
@@ -251,6 +253,20 @@ TEST(ModelTest, EveryEntryRefusesImpossibleModelsInTheReadersWords) {
     Model model = two_balls();
     bad.spoil(model);
     for (const auto& [name, use] : entries()) EXPECT_EQ(message_of(use, model), bad.sentence) << name;
+  }
+}
+
+/// Who takes a mesh for its superquadric, which is all zeros, would answer for another solid.
+TEST(ModelTest, EveryEntryAnswersForMeshesOrRefusesThem) {
+  const Model model{"", {ball(), mesh_primitive("mesh", testing::tetrahedron())}};
+  const std::vector<std::string_view> answer{"Checker", "SignedDistance",  "PointMapper", "posed",
+                                             "bracket", "bounding_radius", "write_model", "covering_primitives"};
+  for (const auto& [name, use] : entries()) {
+    const std::string message = message_of(use, model);
+    if (std::ranges::find(answer, name) != answer.end())
+      EXPECT_EQ(message, "no error") << name;
+    else
+      EXPECT_THAT(message, ::testing::HasSubstr("primitives[1].mesh")) << name;
   }
 }
 

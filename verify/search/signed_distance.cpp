@@ -12,6 +12,7 @@
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/search/certified_distance.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
 #include "verify/search/solid_distance.hpp"
@@ -258,8 +259,11 @@ std::vector<verify::UnionPart> parts_of(const Model& model) {
 
 }  // namespace
 
-struct SignedDistance::State {
-  explicit State(const Model& model)
+namespace {
+
+/// Of superquadrics alone.
+struct Superquadrics {
+  explicit Superquadrics(const Model& model)
       : search(model),
         checker(model),
         parts(parts_of(model)),
@@ -319,8 +323,32 @@ struct SignedDistance::State {
   double resolution;
 };
 
+}  // namespace
+
+/// One of the two.
+struct SignedDistance::State {
+  explicit State(const Model& model) {
+    if (has_mesh(model))
+      meshes.emplace(model);
+    else
+      superquadrics.emplace(model);
+  }
+
+  [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point, const Enclosure& known) const {
+    return meshes ? meshes->closest_point(point) : superquadrics->proven_closest_point(point, known);
+  }
+
+  [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
+    return meshes ? verisq::closest_point_within(distance, point)
+                  : superquadrics->closest_point_within(distance, point);
+  }
+
+  std::optional<Superquadrics> superquadrics;
+  std::optional<verify::MeshUnion> meshes;
+};
+
 SignedDistance::SignedDistance(const Model& model) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   state_ = std::make_unique<State>(model);
 }
 
@@ -335,10 +363,12 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance) const
 Enclosure SignedDistance::operator()(const Point& point, double tolerance,
                                      const std::function<bool()>& interrupted) const {
   require_query(point, tolerance);
-  if (!state_->convex) return state_->searched(point, tolerance, nothing_known, interrupted);
-  const Enclosure known = verify::signed_distance(state_->convex->primitives, point, tolerance).distance;
-  if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
-  return state_->searched(point, tolerance, known, interrupted);
+  if (state_->meshes) return (*state_->meshes)(point, tolerance, false, interrupted).distance;
+  const Superquadrics& solids = *state_->superquadrics;
+  if (!solids.convex) return solids.searched(point, tolerance, nothing_known, interrupted);
+  const Enclosure known = verify::signed_distance(solids.convex->primitives, point, tolerance).distance;
+  if (!solids.convex->loose(known, std::max(tolerance, solids.resolution))) return known;
+  return solids.searched(point, tolerance, known, interrupted);
 }
 
 ClosestPoint SignedDistance::closest_point(const Point& point, double tolerance,
@@ -364,7 +394,8 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
                                              const std::function<bool()>& interrupted, bool covers) const {
   require_query(point, tolerance);
-  const State& state = *state_;
+  if (state_->meshes) return (*state_->meshes)(point, tolerance, true, interrupted);
+  const Superquadrics& state = *state_->superquadrics;
   if (!covers && !state.is_union) throw Error(ErrorKind::input, "certificates without covers: only for unions");
   const CertifiedEnclosure found =
       state.is_union ? state.certified(point, tolerance, interrupted) : CertifiedEnclosure{nothing_known, {}};

@@ -202,7 +202,7 @@ void verify::require_union_of_convex(const Model& model, std::string_view what) 
 }
 
 void verify::require_union(const Model& model, std::string_view what) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   if (!is_union(model)) refuse(what, "csg other than the union of all primitives");
 }
 

@@ -95,7 +95,7 @@ Pose composed(const Pose& outer, const Pose& inner) {
 }  // namespace
 
 Model posed(const Model& model, const Pose& pose) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   verify::require_valid(pose, "pose");
   Model moved = model;
   for (Primitive& primitive : moved.primitives) primitive.pose = composed(pose, primitive.pose);
@@ -103,7 +103,7 @@ Model posed(const Model& model, const Pose& pose) {
 }
 
 UncertainModel posed(const UncertainModel& model, const Pose& pose) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   verify::require_valid(pose, "pose");
   UncertainModel moved = model;
   for (UncertainPrimitive& primitive : moved.primitives) {
