@@ -10,6 +10,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -19,10 +20,12 @@
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/mesh_distances.hpp"
 #include "verify/search/model_distances.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
+#include "verify/solids/rigid_motion.hpp"
 #include "verisq/deviation.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
@@ -153,6 +156,60 @@ Enclosure larger(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
 }
 
+/// The triangles of a primitive that is a mesh, in its place, to nearest.
+struct PlacedMesh {
+  Mesh mesh;
+  double displacement = 0.0;  ///< no point lies farther from the exact one
+};
+
+PlacedMesh placed(const Primitive& primitive) {
+  PlacedMesh result{*primitive.mesh};
+  if (verify::is_at_rest(primitive.pose)) return result;
+  const verify::RigidMotion motion(primitive.pose);
+  for (Point& vertex : result.mesh.vertices) {
+    const auto exact = verify::in_binary64(motion(verify::precise(vertex)));
+    verify::Interval square_of_width(0.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      vertex[i] = exact[i].lower();
+      square_of_width += square(verify::Interval(exact[i].upper()) - verify::Interval(exact[i].lower()));
+    }
+    result.displacement = std::max(result.displacement, sqrt(square_of_width).upper());
+  }
+  return result;
+}
+
+/// Distances to triangles, which may be open; each holds for all points within `displacement`, too.
+verify::SignedDistances distances_to(const verify::TriangleTree& triangles, double displacement) {
+  return [&triangles, displacement](std::span<const Point> points, std::span<Enclosure> rows) {
+    in_parallel(points.size(), [&](std::size_t i) {
+      rows[i] = verify::widened(triangles.nearest(points[i]).distance, displacement);
+      rows[i].lo = std::max(0.0, rows[i].lo);
+    });
+    return true;
+  };
+}
+
+/// How far the surface of a model that is one mesh lies from other triangles: searched like these.
+class SurfaceOfMesh {
+ public:
+  SurfaceOfMesh(const Primitive& primitive, const verify::TriangleTree& triangles, verify::DeviationSearch search)
+      : surface_(placed(primitive)), search_(std::move(search)), at_vertices_(surface_.mesh.vertices.size()) {
+    search_.to_model = distances_to(triangles, surface_.displacement);
+    search_.to_model(surface_.mesh.vertices, at_vertices_);
+    of_mesh_.emplace(surface_.mesh, at_vertices_, search_);
+    of_mesh_->search_largest();
+  }
+
+  void search_statistics(std::span<const double> percentiles) { of_mesh_->search_statistics(percentiles); }
+  [[nodiscard]] verify::MeshDistances found() const { return of_mesh_->found(); }
+
+ private:
+  PlacedMesh surface_;
+  verify::DeviationSearch search_;
+  std::vector<Enclosure> at_vertices_;
+  std::optional<verify::MeshSearch> of_mesh_;
+};
+
 class DeviationRun {
  public:
   DeviationRun(const Model& model, const Mesh& mesh, const DeviationOptions& options)
@@ -271,6 +328,10 @@ class DeviationRun {
 
   void measure_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
     search.progress = [this](double done) { options_.progress("model to mesh", done); };
+    if (model_.primitives.front().mesh) {
+      surface_ = std::make_unique<SurfaceOfMesh>(model_.primitives.front(), triangles, std::move(search));
+      return take_surface();
+    }
     const verify::FarthestOfModel farthest = verify::farthest_of_model(model_, triangles, search);
     found_.from_model = {farthest.distance, farthest.where, {}, {}};
     found_.samples += farthest.samples;
@@ -278,7 +339,19 @@ class DeviationRun {
     ended_early_ = ended_early_ || farthest.ended;
   }
 
+  void take_surface() {
+    const verify::MeshDistances distances = surface_->found();
+    found_.from_model = {distances.largest, distances.where, distances.mean, distances.percentiles};
+    found_.samples += distances.samples;
+    ended_early_ = ended_early_ || distances.ended;
+  }
+
   void measure_statistics_of_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
+    if (surface_) {
+      found_.samples -= surface_->found().samples;
+      surface_->search_statistics(options_.percentiles);
+      return take_surface();
+    }
     search.progress = [this](double done) { options_.progress("model to mesh, mean", done); };
     const verify::ModelDistances distances =
         verify::distances_of_model(model_, triangles, options_.percentiles, found_.from_model->largest.hi, search);
@@ -311,10 +384,18 @@ class DeviationRun {
   const Mesh& mesh_;
   const DeviationOptions& options_;
   double radius_;
-  std::vector<Enclosure> rows_;  // of the vertices
+  std::vector<Enclosure> rows_;             // of the vertices
+  std::unique_ptr<SurfaceOfMesh> surface_;  ///< where the model is a mesh
   bool ended_early_ = false;
   Deviation found_{};
 };
+
+/// Superquadrics of any kind, or one mesh.
+void check_model(const Model& model) {
+  verify::require_valid_with_meshes(model);
+  if (has_mesh(model) && (model.primitives.size() > 1 || model.csg))
+    refuse("a mesh among several primitives: so far the deviation is enclosed from superquadrics, or from one mesh");
+}
 
 /// Nothing if scaling is not exact.
 std::optional<Mesh> in_units(const Mesh& mesh, double unit) {
@@ -356,6 +437,7 @@ bool to_tolerance(const Enclosure& distance, const DeviationOptions& options, do
 }
 
 Deviation deviation(const Model& model, const Mesh& mesh, const DeviationOptions& options) {
+  check_model(model);
   check_mesh(mesh);
   check_options(options);
   check_regions(mesh, options.region_of, options.regions);

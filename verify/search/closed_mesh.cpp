@@ -276,12 +276,12 @@ void ClosedMesh::signed_distances(std::span<const Point> points, std::span<Dista
   }
 }
 
-namespace {
-
-bool moves(const Pose& pose) {
+bool is_at_rest(const Pose& pose) {
   const auto& q = pose.quaternion;
-  return pose.translation != Point{} || q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0;
+  return pose.translation == Point{} && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0;
 }
+
+namespace {
 
 double nearest(const PreciseInterval& x) {
   return Interval(x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)).lower();
@@ -290,7 +290,7 @@ double nearest(const PreciseInterval& x) {
 }  // namespace
 
 PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(*primitive.mesh) {
-  if (!moves(primitive.pose)) return;
+  if (is_at_rest(primitive.pose)) return;
   motion_.emplace(primitive.pose);
   turned_.translation = primitive.pose.translation;
   for (int i = 0; i < 3; ++i) {

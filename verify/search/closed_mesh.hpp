@@ -93,6 +93,9 @@ class ClosedMesh {
   Facts facts_;
 };
 
+/// Returns whether the pose leaves every point exactly where it is.
+[[nodiscard]] bool is_at_rest(const Pose& pose);
+
 /// A primitive that is a mesh, in its place in the model. Immutable: safe to ask from many threads.
 class PosedMesh {
  public:

@@ -76,6 +76,7 @@ Enclosure in_lengths(const Enclosure& e, double unit) {
 double unit_of(const Model& a, const Model& b, double largest) {
   constexpr int ordinary = 300;  // cubes of these lengths are numbers
   constexpr int extreme = 1000;
+  if (has_mesh(a) || has_mesh(b)) return 1.0;  // meshes take ordinary lengths alone
   largest = std::max({largest, largest_length(a), largest_length(b)});
   if (!(largest > 0.0) || !std::isfinite(largest)) return 1.0;
   const int exponent = std::ilogb(largest);
