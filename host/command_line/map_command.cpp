@@ -87,7 +87,7 @@ constexpr const char* closing_words_of_map =
     "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
     "With -o - the rows go to the standard output and the summary to the standard error.\n"
     "A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which\n"
-    "its triangles wind. So far the host maps points to it.\n"
+    "its triangles wind. The host maps to it.\n"
     "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
     "the largest); -o may be left out then.\n"
     "\n"
@@ -130,13 +130,15 @@ bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   return arguments.certificates && arguments.point_radius == 0.0 && is_exact(model) && !single;
 }
 
-/// Meshes are solids for points, so far.
+/// What a mesh cannot do so far.
 void refuse_what_meshes_lack(const Model& model, const MapArguments& arguments) {
   if (!has_mesh(model)) return;
   const auto refuse_option = [&](std::string_view option, std::string_view why) {
     refuse(fmt::format("{}: {}: {}", option, arguments.inputs.model, why));
   };
-  if (arguments.on == MapElements::triangles) refuse_option("--on triangles", "meshes answer for points alone so far");
+  if (arguments.on == MapElements::triangles && arguments.certificates)
+    refuse_option("--certificates with --on triangles",
+                  "distances to meshes have certificates for points alone so far");
   if (arguments.method == Method::published) refuse_option("--method published", "not supported for meshes");
   if (arguments.part && !is_mesh_name(arguments.inputs.model))
     refuse_option("--part", "its meshes lie in files of their own, which parts do not record: give the mesh itself");

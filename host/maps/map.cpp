@@ -240,6 +240,7 @@ class SolidTriangleProver {
         tolerance_(searched_tolerance(options, radius_)),
         stop_(either(options.interrupted, options.out_of_time)),
         search_(model) {
+    if (certificates_) verify::require_valid(model);  // of meshes there are none for triangles
     if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
     const SignedDistance distance(model);
     refuse_empty(model, distance, options.interrupted);
@@ -283,8 +284,9 @@ class SolidTriangleProver {
 /// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
 /// no point, and for options that ask for certificates without covers.
 std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
-  const std::string unsuited = options.certificates ? "certificates of bent solids and set operations are the host's"
-                                                    : device::why_not_compiled(model);
+  std::string unsuited = device::why_not_compiled(model);
+  if (options.certificates) unsuited = "certificates of bent solids and set operations are the host's";
+  if (has_mesh(model)) unsuited = "the host maps meshes, no other device yet";
   const auto make_batch = [model, options](const device::Device& device) {
     const double tolerance = searched_tolerance(options, bounding_radius(model));
     return device::solid_triangle_batch(device, model, tolerance, either(options.interrupted, options.out_of_time));
@@ -339,7 +341,6 @@ class TriangleProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
-  verify::require_valid(model);
   if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
   if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
   const auto make_batch = [model, certificates = options.certificates](const device::Device& device) {

@@ -17,9 +17,11 @@
 
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/search/mesh_pair.hpp"
 #include "verify/search/solid_distance.hpp"
 #include "verify/search/solid_pair_cells.hpp"
 #include "verify/solids/model.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
@@ -464,9 +466,11 @@ CertifiedDistance PairSearch::certified(const Pose& pose, const SearchedDistance
 
 namespace verisq {
 
-/// All lengths are in units of a length.
-struct ModelSearch::State {
-  State(const Model& first, const Model& second)
+namespace {
+
+/// Of superquadrics. All lengths are in units of a length.
+struct ScaledSearch {
+  ScaledSearch(const Model& first, const Model& second)
       : a(first),
         b(second),
         unit(verify::unit_of(a, b)),
@@ -481,8 +485,23 @@ struct ModelSearch::State {
   verify::PairSearch search;
 };
 
+}  // namespace
+
+/// One of the two.
+struct ModelSearch::State {
+  State(const Model& a, const Model& b) {
+    if (has_mesh(a) || has_mesh(b))
+      meshes.emplace(a, b);
+    else
+      superquadrics.emplace(a, b);
+  }
+
+  std::optional<ScaledSearch> superquadrics;
+  std::optional<verify::MeshPairDistance> meshes;
+};
+
 ModelSearch::ModelSearch(const Model& a, const Model& b) {
-  for (const Model* const model : {&a, &b}) verify::require_valid(*model);
+  for (const Model* const model : {&a, &b}) verify::require_valid_with_meshes(*model);
   state_ = std::make_unique<State>(a, b);
 }
 
@@ -493,7 +512,8 @@ ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   verify::require_valid(pose, "pose");
   verify::require_tolerance(options.tolerance);
-  const State& state = *state_;
+  if (state_->meshes) return (*state_->meshes)(pose, options);
+  const ScaledSearch& state = *state_->superquadrics;
   if (state.unit == 1.0) return state.search(pose, options);
   const std::optional<Pose> in_units = verify::in_units(pose, state.unit);
   if (!in_units) return verify::PairSearch(state.a, state.b)(pose, options);
@@ -517,7 +537,8 @@ SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& 
 
 CertifiedDistance ModelSearch::certified(const Pose& pose, const SearchedDistance& found,
                                          const SearchOptions& options) const {
-  const State& state = *state_;
+  if (state_->meshes) throw Error(ErrorKind::input, "pairs with meshes have no certificates so far");
+  const ScaledSearch& state = *state_->superquadrics;
   if (state.unit == 1.0) return state.search.certified(pose, found, options);
   return verify::PairSearch(state.a, state.b).certified(pose, found, options);
 }

@@ -15,10 +15,12 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/mesh_pair.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/distance.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
@@ -345,8 +347,11 @@ std::vector<std::optional<TriangleDistance>> convex_primitives(const Model& mode
 
 }  // namespace
 
-struct TriangleSearch::State {
-  explicit State(const Model& model)
+namespace {
+
+/// Of superquadrics alone: from signed distances of points.
+struct SearchedSolid {
+  explicit SearchedSolid(const Model& model)
       : distance(model),
         extent(verify::extent_of(model)),
         convex(convex_primitives(model)),
@@ -379,7 +384,25 @@ struct TriangleSearch::State {
   verify::ExactChecker checker;
 };
 
-TriangleSearch::TriangleSearch(const Model& model) : state_(std::make_unique<State>(model)) {}
+}  // namespace
+
+/// One of the two.
+struct TriangleSearch::State {
+  explicit State(const Model& model) {
+    if (has_mesh(model))
+      meshes.emplace(model);
+    else
+      superquadrics.emplace(model);
+  }
+
+  std::optional<SearchedSolid> superquadrics;
+  std::optional<verify::MeshTriangleDistance> meshes;
+};
+
+TriangleSearch::TriangleSearch(const Model& model) {
+  verify::require_valid_with_meshes(model);
+  state_ = std::make_unique<State>(model);
+}
 
 TriangleSearch::~TriangleSearch() = default;
 TriangleSearch::TriangleSearch(TriangleSearch&&) noexcept = default;
@@ -397,16 +420,19 @@ void require_query(const Triangle& triangle, double tolerance) {
 Enclosure TriangleSearch::operator()(const Triangle& triangle, double tolerance,
                                      const std::function<bool()>& interrupted) const {
   require_query(triangle, tolerance);
-  return state_->searched(triangle, tolerance, [&] { return interrupted && interrupted(); }).enclosure();
+  if (state_->meshes) return (*state_->meshes)(triangle);
+  return state_->superquadrics->searched(triangle, tolerance, [&] { return interrupted && interrupted(); }).enclosure();
 }
 
 CertifiedEnclosure TriangleSearch::certified(const Triangle& triangle, double tolerance,
                                              const std::function<bool()>& interrupted) const {
   require_query(triangle, tolerance);
+  if (state_->meshes) throw Error(ErrorKind::input, "triangles about meshes have no certificates so far");
+  const SearchedSolid& solid = *state_->superquadrics;
   const auto over = [&] { return interrupted && interrupted(); };
-  const auto nearest = state_->searched(triangle, share_of_proposal * tolerance, over).nearest();
+  const auto nearest = solid.searched(triangle, share_of_proposal * tolerance, over).nearest();
   if (!nearest) return {{0.0, infinity}, {}};
-  return verify::covered({state_->convex, state_->search, state_->checker}, triangle, *nearest, tolerance, over);
+  return verify::covered({solid.convex, solid.search, solid.checker}, triangle, *nearest, tolerance, over);
 }
 
 }  // namespace verisq

@@ -1,0 +1,201 @@
+/// Distances of triangles to triangles, to meshes, and of whole solids: known ones, and those that samples bound.
+#include "verify/search/mesh_pair.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+#include <verisq/distance.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+
+#include "tests/fixtures/random.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+#include "verify/proof/triangle_tree.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using testing::Random;
+using testing::sphere_mesh;
+
+Triangle random_triangle(Random& random, double size) {
+  Triangle triangle;
+  for (Point& corner : triangle)
+    for (double& x : corner) x = random.uniform(-size, size);
+  return triangle;
+}
+
+/// Multiples of 1/64, so that moves and mirrors are exact.
+double coarse(double x) {
+  return std::round(64.0 * x) / 64.0;
+}
+
+/// A triangle in {z <= 0} with `touching` corners at z = 0, the last of them, or their middle, or their centre at 0.
+Triangle below_origin(Random& random, int touching) {
+  Triangle triangle = random_triangle(random, 8.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (double& x : triangle[k]) x = coarse(x);
+    triangle[k][2] = static_cast<int>(k) < touching ? 0.0 : -1.0 - std::abs(triangle[k][2]);
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (touching == 1) triangle[0][i] = 0.0;
+    if (touching == 2) triangle[1][i] = -triangle[0][i];
+    if (touching == 3) triangle[2][i] = -triangle[0][i] - triangle[1][i];
+  }
+  return triangle;
+}
+
+Triangle mirrored(Triangle triangle, double gap) {
+  for (Point& corner : triangle) corner[2] = gap - corner[2];
+  return triangle;
+}
+
+/// Corners to any axes, scaled by a power of two.
+Triangle placed(const Triangle& triangle, std::size_t turn, double scale) {
+  Triangle result;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i) result[k][(i + turn) % 3] = scale * triangle[k][i];
+  return result;
+}
+
+TEST(TrianglePair, EnclosesKnownDistancesOfAllFeatures) {
+  Random random(11);
+  for (int n = 0; n < 3000; ++n) {
+    const int a = 1 + n % 3;
+    const int b = 1 + n / 3 % 3;
+    const double gap = std::exp2(std::round(random.uniform(-20.0, 6.0)));
+    const auto turn = static_cast<std::size_t>(n % 3);
+    const double scale = std::exp2(std::round(random.uniform(-30.0, 30.0)));
+    const Triangle first = placed(below_origin(random, a), turn, scale);
+    const Triangle second = placed(mirrored(below_origin(random, b), gap), turn, scale);
+    for (const Enclosure& found : {distance_of_triangles(first, second), distance_of_triangles(second, first)}) {
+      ASSERT_LE(found.lo, gap * scale) << n;
+      ASSERT_GE(found.hi, gap * scale) << n;
+      ASSERT_LE(found.width(), 1e-12 * (8.0 + gap) * scale) << n;
+    }
+  }
+}
+
+/// Samples of one triangle are no nearer than the lower end, and the nearest of a fine grid is hardly farther.
+TEST(TrianglePair, AgreesWithSamples) {
+  Random random(12);
+  int meeting = 0;
+  for (int n = 0; n < 300; ++n) {
+    const Triangle a = random_triangle(random, 1.0);
+    const Triangle b = random_triangle(random, n % 2 == 0 ? 1.0 : 2.0);
+    const Enclosure found = distance_of_triangles(a, b);
+    constexpr int steps = 40;
+    double least = infinity;
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; i + j <= steps; ++j) {
+        Point point;
+        for (std::size_t k = 0; k < 3; ++k)
+          point[k] = a[0][k] + i * (a[1][k] - a[0][k]) / steps + j * (a[2][k] - a[0][k]) / steps;
+        least = std::min(least, distance_from_triangle_up(point, b));
+      }
+    }
+    meeting += found.hi == 0.0 ? 1 : 0;
+    ASSERT_LE(found.lo, least) << n;
+    ASSERT_GE(found.hi, least - 4.0 / steps) << n;
+    ASSERT_LE(found.width(), 1e-12) << n;
+  }
+  EXPECT_GT(meeting, 20);
+}
+
+TEST(TrianglePair, ProvesThatTrianglesMeetOnlyWhereTheyDo) {
+  const Triangle flat{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
+  EXPECT_EQ(distance_of_triangles(flat, {{{1, 1, -1}, {1, 1, 1}, {5, 5, 5}}}), (Enclosure{0.0, 0.0}));
+  EXPECT_GT(distance_of_triangles(flat, {{{3, 3, -1}, {3, 3, 1}, {5, 5, 5}}}).lo, 1.0) << "beside the long side";
+  const double above = 0x1p-40;
+  EXPECT_GT(distance_of_triangles(flat, {{{1, 1, above}, {2, 1, above}, {1, 2, above}}}).lo, 0.5 * above);
+}
+
+TEST(MeshTriangleDistance, KnowsTrianglesOutsideAcrossAndInside) {
+  const Model model{"", {mesh_primitive("ball", sphere_mesh(3), {.translation = {10.0, 0.0, 0.0}})}};
+  const MeshTriangleDistance distance(model);
+  const Enclosure outside = distance({{{13, -1, -1}, {13, 1, -1}, {13, 0, 2}}});
+  EXPECT_GE(outside.lo, 2.0 - 1e-12);
+  EXPECT_LE(outside.hi, 2.02);
+  EXPECT_LE(outside.width(), 1e-12);
+  EXPECT_EQ(distance({{{10, 0, 0}, {10.1, 0, 0}, {10, 0.1, 0}}}), (Enclosure{0.0, 0.0})) << "inside";
+  EXPECT_EQ(distance({{{10, 0, 0}, {13, 0, 0}, {13, 1, 0}}}), (Enclosure{0.0, 0.0})) << "a corner inside";
+  const Enclosure across = distance({{{10, -9, -9}, {10, 9, -9}, {10, 0, 20}}});
+  EXPECT_LE(across.hi, 1e-13) << "all corners outside";
+}
+
+double gap_of_balls(const Point& centre) {
+  return std::hypot(centre[0], centre[1], centre[2]) - 2.0;
+}
+
+/// Polyhedra inscribed in balls of radius 1 are a little farther apart than these.
+TEST(MeshPairDistance, IsThatOfTheSolids) {
+  Random random(13);
+  const Model a{"", {mesh_primitive("a", sphere_mesh(3))}};
+  const Model b{"", {mesh_primitive("b", sphere_mesh(2))}};
+  const MeshPairDistance distance(a, b);
+  for (int n = 0; n < 50; ++n) {
+    Pose pose;
+    for (double& x : pose.translation) x = random.uniform(-3.0, 3.0);
+    for (double& x : pose.quaternion) x = random.uniform(-1.0, 1.0);
+    const double gap = gap_of_balls(pose.translation);
+    const SearchedDistance found = distance(pose, {.tolerance = 0.0});
+    EXPECT_TRUE(found.reached);
+    if (gap > 0.0) {
+      EXPECT_GE(found.distance.hi, gap);
+      EXPECT_LE(found.distance.lo, gap + 0.1);
+      EXPECT_EQ(found.proximity, Proximity::separated);
+    }
+    if (gap < -0.1) {
+      EXPECT_EQ(found.proximity, Proximity::overlapping) << gap;
+    }
+  }
+}
+
+TEST(MeshPairDistance, IsZeroWhereOneHoldsTheOther) {
+  Mesh small = sphere_mesh(1);
+  for (Point& vertex : small.vertices)
+    for (double& x : vertex) x *= 0.25;
+  const Model large{"", {mesh_primitive("large", sphere_mesh(2))}};
+  const Model within{"", {mesh_primitive("small", small)}};
+  const Model ball{"", {{"ball", {{0.25, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
+  for (const Model& other : {within, ball}) {
+    EXPECT_EQ(MeshPairDistance(large, other)({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
+    EXPECT_EQ(MeshPairDistance(other, large)({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
+  }
+}
+
+/// A shell with a hollow: what lies in the hollow is apart from it.
+TEST(MeshPairDistance, LeavesHollowsFree) {
+  Mesh inner = sphere_mesh(2);
+  for (auto& triangle : inner.triangles) std::swap(triangle[1], triangle[2]);
+  Mesh outer = sphere_mesh(2);
+  for (Point& vertex : outer.vertices)
+    for (double& x : vertex) x *= 2.0;
+  const Model shell{"", {mesh_primitive("shell", testing::join(outer, inner))}};
+  Mesh small = sphere_mesh(1);
+  for (Point& vertex : small.vertices)
+    for (double& x : vertex) x *= 0.25;
+  const SearchedDistance found =
+      MeshPairDistance(shell, {"", {mesh_primitive("small", small)}})({}, {.tolerance = 0.0});
+  EXPECT_EQ(found.proximity, Proximity::separated);
+  EXPECT_GT(found.distance.lo, 0.6);
+  EXPECT_LT(found.distance.hi, 0.76);
+}
+
+TEST(MeshPairDistance, AnswersForSuperquadrics) {
+  const Model mesh{"", {mesh_primitive("ball", sphere_mesh(3))}};
+  const Model box{"", {{"box", {{1.0, 2.0, 3.0}, {0.1, 0.1}}, {}}}};
+  for (const double x : {3.0, 2.5, 2.25}) {
+    const SearchedDistance found = MeshPairDistance(mesh, box)({.translation = {x, 0.0, 0.0}}, {.tolerance = 0.0});
+    EXPECT_NEAR(found.distance.lo, x - 2.0, 1e-12);
+    EXPECT_NEAR(found.distance.hi, x - 2.0, 1e-12);
+    const SearchedDistance turned = MeshPairDistance(box, mesh)({.translation = {-x, 0.0, 0.0}}, {.tolerance = 0.0});
+    EXPECT_NEAR(turned.distance.lo, x - 2.0, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace verisq::verify

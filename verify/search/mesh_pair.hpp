@@ -1,0 +1,63 @@
+/// Distances of triangles, and of other models, to closed meshes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/search/mesh_union.hpp"
+#include "verify/search/wide_tree.hpp"
+#include "verify/solids/rigid_motion.hpp"
+#include "verisq/distance.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// Encloses the distance of two closed triangles, which may be degenerate. [0, 0] proves that they meet: exactly, where
+/// a side of one passes through the other. Preconditions: finite; differences no larger than 2^300.
+[[nodiscard]] Enclosure distance_of_triangles(const Triangle& a, const Triangle& b);
+
+/// Encloses the distance of some triangles to those of the tree. Once interrupted, the lower end is 0. Preconditions:
+/// at least one triangle; as for the tree's queries.
+[[nodiscard]] Enclosure distance_of_triangles(std::span<const Triangle> triangles, const WideTree& tree,
+                                              const std::function<bool()>& interrupted);
+
+/// The distance of a triangle to a union of meshes and superquadrics, 0 where they meet. Immutable: safe to ask from
+/// many threads.
+class MeshTriangleDistance {
+ public:
+  /// Throws as MeshUnion, and Error(input) for bent superquadrics.
+  explicit MeshTriangleDistance(const Model& model);
+
+  /// Precondition: finite.
+  [[nodiscard]] Enclosure operator()(const Triangle& triangle) const;
+
+ private:
+  MeshUnion solids_;
+  std::optional<TriangleDistance> to_others_;
+};
+
+/// The distance of two unions of meshes and superquadrics, one of which has a mesh. Immutable: safe to ask from many
+/// threads.
+class MeshPairDistance {
+ public:
+  /// Throws Error(input) unless each is the union of its primitives, and for bent superquadrics.
+  MeshPairDistance(const Model& a, const Model& b);
+  ~MeshPairDistance();
+  MeshPairDistance(MeshPairDistance&&) noexcept;
+  MeshPairDistance& operator=(MeshPairDistance&&) noexcept;
+
+  /// As ModelSearch::operator(). Near and common points are left out.
+  [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq::verify
