@@ -23,6 +23,7 @@
 #include "host/threads/parallel.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
+#include "verify/solids/rigid_motion.hpp"
 
 namespace verisq {
 namespace tessellation {
@@ -298,10 +299,30 @@ ModelMesh meshed(const Model& model, const ModelMeshOptions& options, double uni
 }  // namespace
 }  // namespace tessellation
 
+namespace {
+
+/// A model of one mesh has that surface, turned outward.
+Mesh own_surface(const Model& model) {
+  if (model.primitives.size() > 1 || model.csg)
+    throw Error(ErrorKind::input, "a mesh among several primitives: so far superquadrics, or one mesh, have a surface");
+  Mesh mesh = *model.primitives.front().mesh;
+  const verify::RigidMotion motion(model.primitives.front().pose);
+  for (Point& vertex : mesh.vertices) {
+    const verify::Vector3<double> moved = verify::in_binary64(motion(verify::precise(vertex)));
+    vertex = {moved[0].lower(), moved[1].lower(), moved[2].lower()};
+  }
+  if (volume_sign(mesh) < 0)
+    for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
+  return mesh;
+}
+
+}  // namespace
+
 ModelMesh model_mesh(const Model& model, const ModelMeshOptions& options) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   if (!(options.deviation > 0.0) || !std::isfinite(options.deviation))
     throw Error(ErrorKind::input, fmt::format("deviation: {:g} is not a positive number", options.deviation));
+  if (has_mesh(model)) return {.mesh = own_surface(model)};
   const double unit = verify::unit_of(model, model);
   ModelMeshOptions scaled = options;
   scaled.deviation = verify::tolerance_in_units(options.deviation, unit);
