@@ -5,15 +5,19 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
 #include <limits>
 #include <random>
 #include <string>
 #include <tuple>
+#include <verisq/error.hpp>
 #include <verisq/features.hpp>
 #include <verisq/files.hpp>
+#include <verisq/mesh.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verify/proof/uncertain_model.hpp"
 
@@ -124,6 +128,58 @@ TEST(ModelFile, AcceptsEveryBendThatLeavesTheSolidWhole) {
        }) {
     EXPECT_TRUE(parse_model(bent(semi_axes, exponents, bend), "m.json").primitives[0].bend) << bend;
   }
+}
+
+/// A tetrahedron.
+std::string meshed(const std::string& vertices, const std::string& triangles, const std::string& more = "") {
+  return model_of(R"({"name": "a", "mesh": {"vertices": )" + vertices + R"(, "triangles": )" + triangles + more + "}}");
+}
+
+constexpr const char* four_vertices = "[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+constexpr const char* four_triangles = "[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]";
+
+TEST(ModelFile, ReadsAMeshThatItHolds) {
+  const Model model = parse_model(meshed(four_vertices, four_triangles, R"(, "scale": 0.5)"), "m.json");
+  ASSERT_TRUE(model.primitives[0].mesh);
+  EXPECT_EQ(model.primitives[0].mesh->vertices[3], (Point{0.0, 0.0, 0.5}));
+  EXPECT_EQ(model.primitives[0].mesh->triangles[3], (std::array<std::uint32_t, 3>{1, 2, 3}));
+  EXPECT_TRUE(has_mesh(model));
+  EXPECT_FALSE(is_union_of_convex(model));
+}
+
+TEST(ModelFile, ReadsAMeshBesideIt) {
+  const testing::TemporaryFolder folder;
+  const Mesh mesh = testing::tetrahedron();
+  write_mesh(folder.path() / "implant.ply", mesh);
+  const auto write = [&](const std::string& text) { std::ofstream(folder.path() / "m.json") << text; };
+  write(model_of(R"({"name": "a", "mesh": {"file": "implant.ply"}, "pose": {"translation": [1, 2, 3]}})"));
+  const Model model = read_model(folder.path() / "m.json");
+  EXPECT_EQ(model.primitives[0].mesh->vertices, mesh.vertices);
+  EXPECT_EQ(model.primitives[0].pose.translation, (Point{1.0, 2.0, 3.0}));
+  EXPECT_EQ(read_model(folder.path() / "implant.ply").primitives[0].name, "implant");
+  write_model(folder.path() / "again.json", model);
+  EXPECT_EQ(read_model(folder.path() / "again.json").primitives[0].mesh->vertices, mesh.vertices);
+}
+
+TEST(ModelFile, RefusesMeshesThatAreNoSolids) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(parse_model(text, "m.json"));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 1], [0, 1, 3], [0, 3, 2]]")), ::testing::HasSubstr("3 of its edges are open"));
+  EXPECT_THAT(refusal(meshed(four_vertices, "[]")), ::testing::HasSubstr("no triangles"));
+  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 4]]")), ::testing::HasSubstr("triangles[0][2] = 4: must be the index"));
+  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, -1]]")), ::testing::HasSubstr("= -1: must be the index"));
+  EXPECT_THAT(refusal(meshed(four_vertices, four_triangles, R"(, "scale": 0)")), ::testing::HasSubstr("scale = 0: must be"));
+  EXPECT_THAT(refusal(meshed(four_vertices, four_triangles, R"(, "file": "a.stl")")), ::testing::HasSubstr("vertices"));
+  EXPECT_THAT(refusal(model_of(R"({"name": "a", "mesh": {"file": "none.stl"}})")), ::testing::HasSubstr("none.stl"));
+  const std::string solid = R"({"vertices": )" + std::string(four_vertices) + R"(, "triangles": )" + four_triangles + "}";
+  EXPECT_THAT(refusal(model_of(R"({"name": "a", "mesh": )" + solid + R"(, "bend": {"curvature": 0.1, "angle_deg": 0}})")),
+              ::testing::HasSubstr("a mesh has no bend"));
 }
 
 TEST(ModelFile, ReadsTheBentStem) {

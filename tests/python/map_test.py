@@ -22,7 +22,7 @@ def random_points(count, extent, seed):
 
 
 class MeshAsTheSolid(unittest.TestCase):
-    """A closed mesh in place of the model: an implant as it comes."""
+    """A closed mesh as the model: an implant as it comes."""
 
     CUBE = ([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
             [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -32,8 +32,8 @@ class MeshAsTheSolid(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.file = Path(folder.name, "cube.off")
-        self.cube = verisq.Mesh(*self.CUBE)
-        self.cube.save(self.file)
+        verisq.Mesh(*self.CUBE).save(self.file)
+        self.cube = verisq.Model.from_mesh(verisq.Mesh(*self.CUBE))
 
     def test_distances_to_a_cube_are_those_of_its_formula(self):
         points = random_points(5000, 3.0, 7)
@@ -48,32 +48,68 @@ class MeshAsTheSolid(unittest.TestCase):
 
     def test_a_mesh_that_is_turned_inward_is_the_same_solid(self):
         points = random_points(500, 3.0, 8)
-        inward = verisq.Mesh(self.CUBE[0], np.array(self.CUBE[1])[:, ::-1])
+        inward = verisq.Model.from_mesh(verisq.Mesh(self.CUBE[0], np.array(self.CUBE[1])[:, ::-1]))
         np.testing.assert_array_equal(verisq.map(inward, points).lo < 0, verisq.map(self.cube, points).lo < 0)
 
     def test_rows_are_those_of_the_command_line(self):
         points = random_points(3000, 3.0, 9)
         rows = map_of_points(self.file, points)
-        found = verisq.map(self.cube, points)
-        self.assertEqual(found.lo.tobytes(), np.ascontiguousarray(rows["lo"]).tobytes())
-        self.assertEqual(found.hi.tobytes(), np.ascontiguousarray(rows["hi"]).tobytes())
+        for model in (self.cube, verisq.Model.load(self.file)):
+            found = verisq.map(model, points)
+            self.assertEqual(found.lo.tobytes(), np.ascontiguousarray(rows["lo"]).tobytes())
+            self.assertEqual(found.hi.tobytes(), np.ascontiguousarray(rows["hi"]).tobytes())
+
+    def test_a_checker_proves_its_rows(self):
+        points = random_points(300, 3.0, 10)
+        found = verisq.map(self.cube, points, certificates=True)
+        checker = verisq.Checker(self.cube)
+        self.assertTrue(checker.points(points, found.lo, found.hi, found.certificates).all_proved)
+        shifted = checker.points(points, found.lo + 1e-6, found.hi + 1e-6, found.certificates)
+        self.assertFalse((shifted.verdict == verisq.Verdict.proved).any())
+
+    def test_closest_points_and_normals_are_proven(self):
+        found = verisq.closest_points(self.cube, [[3.0, 0.25, 0.5], [0.0, 0.0, 0.0]])
+        np.testing.assert_array_equal(found.unique, [True, False])
+        np.testing.assert_allclose(found.point[0].T[0], [1.0, 0.25, 0.5], atol=1e-15)
+        np.testing.assert_allclose(found.normal[0].T[1], [1.0, 0.0, 0.0], atol=1e-15)
+
+    def test_a_model_of_a_mesh_is_kept_bit_for_bit(self):
+        model = verisq.Model.from_mesh(verisq.Mesh(*self.CUBE), name="implant", units="mm",
+                                       pose=[1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.5])
+        self.assertEqual(model.names, ["implant"])
+        self.assertFalse(model.is_union_of_convex)
+        again = verisq.Model.from_dict(model.to_dict())
+        self.assertEqual(again.to_dict(), model.to_dict())
+        saved = self.file.parent / "implant.json"
+        model.save(saved)
+        self.assertEqual(verisq.Model.load(saved).to_dict(), model.to_dict())
+
+    def test_two_meshes_have_a_deviation_and_a_distance(self):
+        other = verisq.Mesh(np.array(self.CUBE[0]) * 1.25, self.CUBE[1])
+        found = verisq.deviation(self.cube, other, tolerance=1e-3)
+        corner = np.sqrt(3.0) * 0.25
+        self.assertLessEqual(found.hausdorff.lo, corner + 1e-12)
+        self.assertGreaterEqual(found.hausdorff.hi, corner - 1e-12)
+        self.assertLess(found.hausdorff.hi - found.hausdorff.lo, 1e-3)
+        distances = verisq.map_poses(self.cube, self.cube, [[3.0, 0, 0, 1, 0, 0, 0], [1.0, 0, 0, 1, 0, 0, 0]])
+        self.assertAlmostEqual(distances.lo[0], 1.0, delta=1e-12)
+        self.assertEqual(distances.hi[1], 0.0)
 
     def test_what_is_no_solid_is_refused(self):
-        opened = verisq.Mesh(self.CUBE[0], self.CUBE[1][1:])
-        with self.assertRaisesRegex(verisq.Error, "3"):
-            verisq.map(opened, [[0.0, 0, 0]])
+        with self.assertRaisesRegex(verisq.Error, "3 of its edges are open"):
+            verisq.Model.from_mesh(verisq.Mesh(self.CUBE[0], self.CUBE[1][1:]))
         with self.assertRaisesRegex(verisq.Error, "no triangles"):
-            verisq.map(verisq.Mesh(self.CUBE[0]), [[0.0, 0, 0]])
+            verisq.Model.from_mesh(verisq.Mesh(self.CUBE[0]))
         with self.assertRaisesRegex(verisq.Error, "not finite"):
             verisq.map(self.cube, [[np.nan, 0, 0]])
 
     def test_what_a_mesh_lacks_so_far_is_refused(self):
         given = ["map", "--model", self.file, "--mesh", EXAMPLES / "cavity.off", "-o", self.file.parent / "map.csv"]
-        for option in (["--certificates"], ["--on", "triangles"], ["--closest-points"], ["--png", "picture.png"],
-                       ["--device", "0"], ["--point-radius", "1"], ["--pose", "1,0,0,1,0,0,0"]):
+        for option in (["--certificates", "--on", "triangles"], ["--method", "published", "--device", "host"],
+                       ["--certificates", "--report", self.file.parent / "page.html"]):
             with self.subTest(option):
                 self.assertIn("mesh", message(*given, *option))
-        self.assertIn("is a mesh", message("octree", "--model", self.file, "-o", self.file.parent / "octree.vtu"))
+        self.assertIn("mesh", message("path", self.file, self.file, "--poses", EXAMPLES / "path.csv"))
 
 
 class SameAsCommandLine(unittest.TestCase):
