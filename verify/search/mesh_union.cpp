@@ -58,7 +58,7 @@ std::optional<Foot> side_foot(const PreciseVector& query, const Triangle& triang
   if (!is_above_0(share) || !is_above_0(PreciseInterval(1) - share)) return std::nullopt;
   const PreciseVector point = precise(a) + side * share;
   if (!is_at_most_0(PreciseVector(query - point).dot(precise(triangle[(k + 2) % 3]) - point))) return std::nullopt;
-  return foot(query, point, {a, b, b});
+  return foot(query, point, {a, std::min(a, b), b});  // the same from either end, when it is sorted
 }
 
 /// The foot on the plane, where it lies before the inside of each side.
