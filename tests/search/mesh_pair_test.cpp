@@ -10,6 +10,7 @@
 #include <verisq/distance.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/path.hpp>
 
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -141,7 +142,7 @@ TEST(MeshPairDistance, IsThatOfTheSolids) {
     for (double& x : pose.translation) x = random.uniform(-3.0, 3.0);
     for (double& x : pose.quaternion) x = random.uniform(-1.0, 1.0);
     const double gap = gap_of_balls(pose.translation);
-    const SearchedDistance found = distance(pose, {.tolerance = 0.0});
+    const SearchedDistance found = distance.searched(pose, {.tolerance = 0.0});
     EXPECT_TRUE(found.reached);
     if (gap > 0.0) {
       EXPECT_GE(found.distance.hi, gap);
@@ -162,8 +163,8 @@ TEST(MeshPairDistance, IsZeroWhereOneHoldsTheOther) {
   const Model within{"", {mesh_primitive("small", small)}};
   const Model ball{"", {{"ball", {{0.25, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
   for (const Model& other : {within, ball}) {
-    EXPECT_EQ(MeshPairDistance(large, other)({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
-    EXPECT_EQ(MeshPairDistance(other, large)({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
+    EXPECT_EQ(MeshPairDistance(large, other).searched({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
+    EXPECT_EQ(MeshPairDistance(other, large).searched({}, {.tolerance = 0.0}).proximity, Proximity::overlapping);
   }
 }
 
@@ -179,7 +180,7 @@ TEST(MeshPairDistance, LeavesHollowsFree) {
   for (Point& vertex : small.vertices)
     for (double& x : vertex) x *= 0.25;
   const SearchedDistance found =
-      MeshPairDistance(shell, {"", {mesh_primitive("small", small)}})({}, {.tolerance = 0.0});
+      MeshPairDistance(shell, {"", {mesh_primitive("small", small)}}).searched({}, {.tolerance = 0.0});
   EXPECT_EQ(found.proximity, Proximity::separated);
   EXPECT_GT(found.distance.lo, 0.6);
   EXPECT_LT(found.distance.hi, 0.76);
@@ -189,11 +190,43 @@ TEST(MeshPairDistance, AnswersForSuperquadrics) {
   const Model mesh{"", {mesh_primitive("ball", sphere_mesh(3))}};
   const Model box{"", {{"box", {{1.0, 2.0, 3.0}, {0.1, 0.1}}, {}}}};
   for (const double x : {3.0, 2.5, 2.25}) {
-    const SearchedDistance found = MeshPairDistance(mesh, box)({.translation = {x, 0.0, 0.0}}, {.tolerance = 0.0});
+    const SearchedDistance found =
+        MeshPairDistance(mesh, box).searched({.translation = {x, 0.0, 0.0}}, {.tolerance = 0.0});
     EXPECT_NEAR(found.distance.lo, x - 2.0, 1e-12);
     EXPECT_NEAR(found.distance.hi, x - 2.0, 1e-12);
-    const SearchedDistance turned = MeshPairDistance(box, mesh)({.translation = {-x, 0.0, 0.0}}, {.tolerance = 0.0});
+    const SearchedDistance turned =
+        MeshPairDistance(box, mesh).searched({.translation = {-x, 0.0, 0.0}}, {.tolerance = 0.0});
     EXPECT_NEAR(turned.distance.lo, x - 2.0, 1e-12);
+  }
+}
+
+/// The surface of [-1, 1]^3.
+Mesh cube() {
+  Mesh mesh;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-1.0, 1.0}) mesh.vertices.push_back({x, y, z});
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                    {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return mesh;
+}
+
+TEST(MeshPath, EnclosesTheSmallestDistanceAndTheFirstContact) {
+  const Model a{"", {mesh_primitive("a", cube())}};
+  const Model box{"", {{"box", {{1.0, 1.0, 1.0}, {0.1, 0.1}}, {}}}};
+  for (const Model& b : {a, box}) {
+    const std::vector<Pose> beside{{.translation = {5.0, 4.0, 0.25}}, {.translation = {-5.0, 4.0, 0.25}}};
+    const PathDistance past = distance_along(beside, a, b, {.tolerance = 0.02});
+    EXPECT_EQ(past.proximity, PathProximity::apart);
+    EXPECT_TRUE(past.reached);
+    EXPECT_LE(past.smallest.lo, 2.0);
+    EXPECT_GE(past.smallest.hi, 2.0);
+    const std::vector<Pose> towards{{.translation = {5.0, 0.0, 0.0}}, {.translation = {1.0, 0.0, 0.0}}};
+    const PathDistance met = distance_along(towards, a, b, {.tolerance = 1e-6, .time_tolerance = 1e-4});
+    ASSERT_TRUE(met.meet_at);
+    EXPECT_LE(met.apart_before, 0.75);
+    EXPECT_GE(*met.meet_at, 0.75);
+    EXPECT_LE(*met.meet_at - met.apart_before, 1e-4);
   }
 }
 

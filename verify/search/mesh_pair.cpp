@@ -311,19 +311,29 @@ Enclosure widened_by(const Enclosure& distance, double displacement) {
 
 constexpr Enclosure they_meet{0.0, 0.0};
 
-enum class Lies : std::uint8_t { outside, inside, unknown };
+MeshPair least_of(const MeshPair& a, const MeshPair& b) {
+  return {{std::min(a.distance.lo, b.distance.lo), std::min(a.distance.hi, b.distance.hi)}, std::max(a.depth, b.depth)};
+}
 
-/// Where points lie, each of which is moved by roundings as far as `displacement`: inside if one is, outside if all
-/// are.
-Lies place_of(std::span<const Point> points, const ClosedMesh& solid, const RoundedMotion& motion,
-               double displacement) {
-  bool all_outside = true;
+/// Where points lie about a solid.
+struct Lie {
+  bool all_outside = true;  ///< proven
+  double deepest = -1.0;    ///< one lies at least so deep in it; below 0 where none is proven to lie in it
+
+  [[nodiscard]] bool meets() const { return deepest >= 0.0; }
+};
+
+/// Roundings move each point as far as `displacement`. Looks no further than the first inside unless all are asked for.
+Lie lie_of(std::span<const Point> points, const ClosedMesh& solid, const RoundedMotion& motion, double displacement,
+           bool all = false) {
+  Lie lie;
   for (const Point& point : points) {
     const Enclosure distance = solid.signed_distance(motion(point)).signed_distance;
-    if (distance.hi <= -displacement) return Lies::inside;
-    all_outside = all_outside && distance.lo > displacement;
+    lie.all_outside = lie.all_outside && distance.lo > displacement;
+    lie.deepest = std::max(lie.deepest, (Interval(-distance.hi) - Interval(displacement)).lower());
+    if (lie.meets() && !all) break;
   }
-  return all_outside ? Lies::outside : Lies::unknown;
+  return lie;
 }
 
 Enclosure least_of(const Enclosure& a, const Enclosure& b) {
@@ -411,27 +421,39 @@ class MeshesApart {
 
   /// Two solids whose surfaces keep off each other meet only if one holds a part of the other's surface: their common
   /// part would have a boundary, in one surface and in the other solid.
-  [[nodiscard]] Enclosure operator()(const std::function<bool()>& interrupted) const {
-    const Lies of_a = place_of(a_.on_components, b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest));
-    const Lies of_b = place_of(b_.on_components, a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest));
-    if (of_a == Lies::inside || of_b == Lies::inside) return they_meet;
+  [[nodiscard]] MeshPair operator()(const std::function<bool()>& interrupted) const {
+    const Lie of_a = lie_of(a_.on_components, b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest));
+    const Lie of_b = lie_of(b_.on_components, a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest));
+    if (of_a.meets() || of_b.meets()) return deepest_point(they_meet);
     const bool b_has_tree = b_.triangles.size() >= a_.triangles.size();
     Enclosure distance = b_has_tree ? of_surfaces(a_, b_, to_b_, interrupted) : of_surfaces(b_, a_, to_a_, interrupted);
-    if (of_a == Lies::unknown || of_b == Lies::unknown) distance.lo = 0.0;
-    if (distance.lo > 0.0 || distance.hi == 0.0) return distance;
+    if (!of_a.all_outside || !of_b.all_outside) distance.lo = 0.0;
+    if (distance.lo > 0.0) return {distance};
     // Roundings hide where they cross: a corner that lies deeper shows that they do.
-    const bool meet =
-        place_of(corners(a_), b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest)) == Lies::inside ||
-        place_of(corners(b_), a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest)) == Lies::inside;
-    return meet ? they_meet : distance;
+    return deepest_point(distance);
   }
 
  private:
-  static std::vector<Point> corners(const Solid& solid) {
+  /// A point of one surface that lies deep in the other solid stays there if that moves by less.
+  [[nodiscard]] MeshPair deepest_point(const Enclosure& distance) const {
+    const Lie of_a = lie_of(points_on(a_), b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest) + off(a_), true);
+    const Lie of_b = lie_of(points_on(b_), a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest) + off(b_), true);
+    if (!of_a.meets() && !of_b.meets()) return {distance};
+    return {they_meet, std::max(of_a.deepest, of_b.deepest)};
+  }
+
+  /// A corner of each triangle, and its middle: where solids are aligned, corners may touch, and not lie deeper.
+  static std::vector<Point> points_on(const Solid& solid) {
     std::vector<Point> points;
-    for (const Triangle& triangle : solid.triangles) points.push_back(triangle[0]);
+    for (const Triangle& triangle : solid.triangles) {
+      points.push_back(triangle[0]);
+      points.push_back(ball_about(triangle).centre);
+    }
     return points;
   }
+
+  /// A middle is rounded: three quotients and two sums by less than 4 u of a coordinate.
+  static double off(const Solid& solid) { return 0x1p-50 * solid.largest; }
 
   static Enclosure of_surfaces(const Solid& from, const Solid& to, const RoundedMotion& motion,
                                const std::function<bool()>& interrupted) {
@@ -451,36 +473,42 @@ class MeshAndSuperquadrics {
   MeshAndSuperquadrics(const Solid& solid, const Operand& superquadrics, const RigidMotion& motion)
       : solid_(solid), superquadrics_(superquadrics), motion_(motion), back_(motion.inverse()) {}
 
-  [[nodiscard]] Enclosure operator()(const std::function<bool()>& interrupted) const {
-    const Lies of_centres = place_of_centres();
-    if (of_centres == Lies::inside) return they_meet;
+  /// A convex primitive that keeps off the surface lies on one side of it, as its centre does.
+  [[nodiscard]] MeshPair operator()(const std::function<bool()>& interrupted) const {
+    const Lie of_centres = lie_of(centres(), solid_.placed->mesh(), back_, displacement_of_centres(), true);
+    if (of_centres.meets()) return {they_meet, of_centres.deepest};
     const std::vector<Triangle> triangles = motion_(solid_.triangles);
+    const double displacement = motion_.displacement(solid_.largest);
     std::vector<std::pair<double, std::size_t>> order;  // by a lower end
+    double depth = -1.0;                                // of a corner in a superquadric
     for (std::size_t n = 0; n < triangles.size(); ++n) {
       const Ball ball = ball_about(triangles[n]);
       const Enclosure at_centre = (*superquadrics_.of_points)(ball.centre, infinity);
+      depth = std::max(depth, (Interval(-at_centre.hi) - Interval(displacement)).lower());
       order.emplace_back((Interval(at_centre.lo) - Interval(ball.radius)).lower(), n);
     }
+    if (depth >= 0.0) return {they_meet, depth};
     std::ranges::sort(order);
     Enclosure found{infinity, infinity};
     for (const auto& [lower, n] : order) {
       if (!(lower < found.hi)) break;
-      if (interrupted && interrupted()) return {0.0, found.hi};
+      if (interrupted && interrupted()) return {{0.0, found.hi}};
       found = least_of(found, (*superquadrics_.of_triangles)(triangles[n]));
       if (found.hi == 0.0) break;
     }
-    found = widened_by(found, motion_.displacement(solid_.largest));
-    if (of_centres == Lies::unknown) found.lo = 0.0;
-    return found;
+    found = widened_by(found, displacement);
+    if (!of_centres.all_outside) found.lo = 0.0;
+    return {found};
   }
 
  private:
-  /// A convex primitive that keeps off the surface lies on one side of it, as its centre does.
-  [[nodiscard]] Lies place_of_centres() const {
-    std::vector<Point> centres;
-    for (const Primitive& primitive : superquadrics_.others->primitives) centres.push_back(primitive.pose.translation);
-    return place_of(centres, solid_.placed->mesh(), back_, back_.displacement(largest_coordinate(centres)));
+  [[nodiscard]] std::vector<Point> centres() const {
+    std::vector<Point> points;
+    for (const Primitive& primitive : superquadrics_.others->primitives) points.push_back(primitive.pose.translation);
+    return points;
   }
+
+  [[nodiscard]] double displacement_of_centres() const { return back_.displacement(largest_coordinate(centres())); }
 
   const Solid& solid_;
   const Operand& superquadrics_;
@@ -510,13 +538,13 @@ MeshPairDistance::~MeshPairDistance() = default;
 MeshPairDistance::MeshPairDistance(MeshPairDistance&&) noexcept = default;
 MeshPairDistance& MeshPairDistance::operator=(MeshPairDistance&&) noexcept = default;
 
-SearchedDistance MeshPairDistance::operator()(const Pose& pose, const SearchOptions& options) const {
+MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const State& s = *state_;
   const RigidMotion b_to_a(pose);
   const RigidMotion a_to_b = b_to_a.inverse();
-  Enclosure distance{infinity, infinity};
+  MeshPair found{{infinity, infinity}};
   const auto join = [&](const auto& pair) {
-    if (distance.hi != 0.0) distance = least_of(distance, pair(options.interrupted));
+    if (found.distance.hi != 0.0) found = least_of(found, pair(interrupted));
   };
   for (const Solid& a : s.a.solids) {
     for (const Solid& b : s.b.solids) join(MeshesApart(a, b, b.motion.inverse().after(a_to_b.after(a.motion))));
@@ -525,8 +553,14 @@ SearchedDistance MeshPairDistance::operator()(const Pose& pose, const SearchOpti
   if (s.a.others) {
     for (const Solid& b : s.b.solids) join(MeshAndSuperquadrics(b, s.a, b_to_a.after(b.motion)));
   }
-  if (s.between_others)
-    join([&](const std::function<bool()>& interrupted) { return (*s.between_others)(pose, interrupted).distance; });
+  if (s.between_others) {
+    join([&](const std::function<bool()>& ended) { return MeshPair{(*s.between_others)(pose, ended).distance}; });
+  }
+  return found;
+}
+
+SearchedDistance MeshPairDistance::searched(const Pose& pose, const SearchOptions& options) const {
+  const Enclosure distance = (*this)(pose, options.interrupted).distance;
   const double tightest = 0x1p-40 * (1.0 + distance.hi);
   const bool reached = distance.width() <= std::max(options.tolerance, tightest);
   return {distance, proximity_of(distance), std::nullopt, std::nullopt, 0, reached};

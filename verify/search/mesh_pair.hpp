@@ -42,6 +42,13 @@ class MeshTriangleDistance {
   std::optional<TriangleDistance> to_others_;
 };
 
+/// The distance of two solids, 0 where they meet.
+struct MeshPair {
+  Enclosure distance;
+  /// They meet, and still do if one of them is moved by no more than this. 0 where that is not known.
+  double depth = 0.0;
+};
+
 /// The distance of two unions of meshes and superquadrics, one of which has a mesh. Immutable: safe to ask from many
 /// threads.
 class MeshPairDistance {
@@ -52,8 +59,11 @@ class MeshPairDistance {
   MeshPairDistance(MeshPairDistance&&) noexcept;
   MeshPairDistance& operator=(MeshPairDistance&&) noexcept;
 
+  /// Of A and of B moved by `pose`. Once interrupted, the lower end is 0.
+  [[nodiscard]] MeshPair operator()(const Pose& pose, const std::function<bool()>& interrupted) const;
+
   /// As ModelSearch::operator(). Near and common points are left out.
-  [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
+  [[nodiscard]] SearchedDistance searched(const Pose& pose, const SearchOptions& options) const;
 
  private:
   struct State;

@@ -95,31 +95,44 @@ EnclosingSphere sphere_about(const Model& model) {
 
 }  // namespace
 
-SearchedMoments::SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
-                                 std::function<bool()> interrupted)
-    : path_(&path),
-      search_(a, b),
-      pair_(a, b),
-      sphere_a_(sphere_about(a)),
-      sphere_b_(sphere_about(b)),
-      tolerance_(tolerance),
-      interrupted_(std::move(interrupted)) {}
+SpeedMoments::SpeedMoments(const PosedPath& path, const Model& a, const Model& b)
+    : path_(&path), sphere_a_(sphere_about(a)), sphere_b_(sphere_about(b)) {}
 
 // The distance changes no faster than points of B move in A's frame, and no faster than points of A move in B's.
-PreciseInterval SearchedMoments::change(const ShortMotion& motion) const {
+PreciseInterval SpeedMoments::change(const ShortMotion& motion) const {
   const EnclosingSphere moved{motion.pose()(sphere_b_.centre), sphere_b_.radius};
   return less(motion.way_seen_of(sphere_a_), motion.way_of(moved));
 }
 
 // |(R - R') x + (t - t')| <= |(R - R') c + (t - t')| + |R - R'| r, and |R - R'| is at most the sum of its columns'
 // lengths.
-double SearchedMoments::displacement(const RigidMotion& exact, const RigidMotion& nearby) const {
+double SpeedMoments::displacement(const RigidMotion& exact, const RigidMotion& nearby) const {
   const PreciseVector at_centre = exact(sphere_b_.centre) - nearby(sphere_b_.centre);
   PreciseInterval spread{Real(0.0)};
   for (std::size_t j = 0; j < 3; ++j)
     spread = spread + length<Real>(PreciseVector(exact.rotation.column(j) - nearby.rotation.column(j)));
   return up(length<Real>(at_centre) + spread * sphere_b_.radius);
 }
+
+MomentInStretch SpeedMoments::moment_of(const Stretch& stretch) const {
+  const double time = stretch.middle();
+  const RigidMotion exact = path_->enclosed_pose(time);
+  const Pose pose = path_->rounded_pose(time);
+  const double off = displacement(exact, RigidMotion(pose));
+  const ShortMotion motion(exact, path_->motion_of(stretch.leg), stretch.reach());
+  const PreciseInterval lost = change(motion) + PreciseInterval(Real(off));
+  const PreciseInterval apart = length<Real>(PreciseVector(exact(sphere_b_.centre) - sphere_a_.centre));
+  const PreciseInterval between_balls = apart - sphere_a_.radius - sphere_b_.radius;
+  return {time, pose, exact, off, motion, lost, (between_balls - lost).lower().to_double(Direction::down)};
+}
+
+SearchedMoments::SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
+                                 std::function<bool()> interrupted)
+    : SpeedMoments(path, a, b),
+      search_(a, b),
+      pair_(a, b),
+      tolerance_(tolerance),
+      interrupted_(std::move(interrupted)) {}
 
 bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
   const PreciseVector place = exact.local_point(x);
@@ -134,36 +147,35 @@ bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
 }
 
 ExaminedStretch SearchedMoments::examine(const Stretch& stretch, double enough) const {
-  const double time = stretch.middle();
-  const RigidMotion exact = path_->enclosed_pose(time);
-  const Pose pose = path_->rounded_pose(time);
-  const double off = displacement(exact, RigidMotion(pose));
-  const ShortMotion motion(exact, path_->motion_of(stretch.leg), stretch.reach());
-  const PreciseInterval lost = change(motion) + PreciseInterval(Real(off));
-  const auto over_stretch = [&](const PreciseInterval& at_moment) {
-    return (at_moment - lost).lower().to_double(Direction::down);
-  };
-  const PreciseInterval apart = length<Real>(PreciseVector(exact(sphere_b_.centre) - sphere_a_.centre));
-  const double by_balls = over_stretch(apart - sphere_a_.radius - sphere_b_.radius);
+  const MomentInStretch moment = moment_of(stretch);
+  const auto& [time, pose, exact, off, motion, lost, by_balls] = moment;
   if (by_balls > enough) return {time, by_balls, infinity};
 
   bool far = false;
   // If the question is only whether they are apart at all, the search is as fine as the stretch is short.
   const double finest = enough > 0.0 ? tolerance_ : 0.0;
   SearchOptions options{.tolerance = std::max(0.25 * finest, share_of_change * up(lost))};
-  options.progress = [&](const Enclosure& distance, std::uint64_t) {
-    far = over_stretch(PreciseInterval(Real(distance.lo))) > enough;
-  };
+  options.progress = [&](const Enclosure& distance, std::uint64_t) { far = moment.over_stretch(distance.lo) > enough; };
   options.interrupted = [&] { return far || (interrupted_ && interrupted_()); };
   const SearchedDistance found = search_(pose, options);
   if (found.common && is_in_b(*found.common, exact)) return {time, 0.0, 0.0};
-  double lower = std::max(by_balls, over_stretch(PreciseInterval(Real(found.distance.lo))));
+  double lower = std::max(by_balls, moment.over_stretch(found.distance.lo));
   if (lower < std::min(enough, found.distance.lo)) {
     options.progress = {};
     const PairCertificate planes = search_.planes(pose, found, options);
     lower = std::max(lower, pair_.lower(motion, planes));
   }
   return {time, lower, up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(off)))};
+}
+
+/// Solids that meet deeper than the pose is rounded meet at the exact pose.
+ExaminedStretch MeshMoments::examine(const Stretch& stretch, double enough) const {
+  const MomentInStretch moment = moment_of(stretch);
+  if (moment.by_balls > enough) return {moment.time, moment.by_balls, infinity};
+  const MeshPair found = distance_(moment.pose, interrupted_);
+  if (found.depth > moment.off) return {moment.time, 0.0, 0.0};
+  return {moment.time, std::max(moment.by_balls, moment.over_stretch(found.distance.lo)),
+          up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(moment.off)))};
 }
 
 }  // namespace verisq::verify
@@ -316,11 +328,19 @@ class PathSearch {
         result_.apart_before = stretch.end;
         continue;
       }
-      if (!may_be_halved(stretch)) return;
+      if (!may_be_halved(stretch)) return look_a_little_later(stretch);
       for (const Stretch& half : {halves(stretch)[1], halves(stretch)[0]}) {
         if (half.begin < *result_.meet_at) open.push_back(half);
       }
     }
+  }
+
+  /// Where solids begin to touch, roundings hide whether they do: a little later they meet.
+  void look_a_little_later(const Stretch& stretch) {
+    const double later = std::min(stretch.begin + 0.5 * options_.time_tolerance, path_.last_time());
+    const ExaminedStretch moment = moments_.examine({leg_of(later), later, later}, 0.0);
+    ++result_.moments;
+    if (moment.upper == 0.0) result_.meet_at = std::min(*result_.meet_at, later);
   }
 
   const PosedPath& path_;
@@ -346,6 +366,8 @@ PathDistance followed(std::span<const Pose> path, const Model& a, const Model& b
     constexpr std::uint64_t many = 64;  // it takes milliseconds
     return PathSearch(posed, ConvexMoments(posed, a, b), tolerance, options, many).run();
   }
+  if (has_mesh(a) || has_mesh(b))
+    return PathSearch(posed, MeshMoments(posed, a, b, options.interrupted), tolerance, options, 1).run();
   const SearchedMoments moments(posed, a, b, tolerance, options.interrupted);
   return PathSearch(posed, moments, tolerance, options, 1).run();
 }
@@ -365,7 +387,7 @@ std::optional<std::vector<Pose>> in_units(std::span<const Pose> path, double uni
 
 PathDistance distance_along(std::span<const Pose> path, const Model& a, const Model& b,
                             const PathDistanceOptions& options) {
-  for (const Model* const model : {&a, &b}) verify::require_valid(*model);
+  for (const Model* const model : {&a, &b}) verify::require_valid_with_meshes(*model);
   check_path(path);
   check_turns(path);
   check_tolerances(options);

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <utility>
 
 #include "verify/proof/pair_checker.hpp"
+#include "verify/search/mesh_pair.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/paths.hpp"
 #include "verisq/enclosure.hpp"
@@ -59,10 +61,47 @@ class ConvexMoments : public PathMoments {
   PosedPrimitives b_;
 };
 
-// Any two models on their way, bent or built by set operations. Planes that stay between sections of primitives prove a
-// stretch of time, or the distance at a moment and the speed of points do (docs/mathematics.md §26).
+// Any two models on their way: the distance at a moment and the speed of points prove a stretch of time
+// (docs/mathematics.md §26).
 
-class SearchedMoments : public PathMoments {
+/// One moment of a stretch.
+struct MomentInStretch {
+  double time;
+  Pose pose;  ///< rounded
+  RigidMotion exact;
+  double off;  ///< no point of B lies farther from its place at the exact pose
+  ShortMotion motion;
+  PreciseInterval lost;  ///< no distance at another time of the stretch is smaller by more than this
+  double by_balls;       ///< the lower end over the stretch that enclosing balls give
+
+  /// The lower end over the stretch that one at the rounded pose gives.
+  [[nodiscard]] double over_stretch(double at_moment) const {
+    return (PreciseInterval(Real(at_moment)) - lost).lower().to_double(Direction::down);
+  }
+};
+
+class SpeedMoments : public PathMoments {
+ public:
+  /// B moves. The path must outlive this.
+  SpeedMoments(const PosedPath& path, const Model& a, const Model& b);
+
+ protected:
+  [[nodiscard]] MomentInStretch moment_of(const Stretch& stretch) const;
+
+ private:
+  /// Upper bound of the change of the distance between the moment and any time of the motion.
+  [[nodiscard]] PreciseInterval change(const ShortMotion& motion) const;
+
+  /// Upper bound of the displacement of a point of B from its place at the exact pose.
+  [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
+
+  const PosedPath* path_;
+  EnclosingSphere sphere_a_;
+  EnclosingSphere sphere_b_;
+};
+
+/// Bent, or built by set operations: planes that stay between sections of primitives prove a stretch of time, too.
+class SearchedMoments : public SpeedMoments {
  public:
   /// B moves. Distances are enclosed to a quarter of `tolerance` at best. `interrupted`, polled, ends searches. The
   /// path must outlive this.
@@ -72,21 +111,26 @@ class SearchedMoments : public PathMoments {
   [[nodiscard]] ExaminedStretch examine(const Stretch& stretch, double enough) const override;
 
  private:
-  /// Upper bound of the change of the distance between the moment and any time of the motion.
-  [[nodiscard]] PreciseInterval change(const ShortMotion& motion) const;
-
-  /// Upper bound of the displacement of a point of B from its place at the exact pose.
-  [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
-
   /// Returns whether a point of A is proven to lie in B, too, at the exact pose.
   [[nodiscard]] bool is_in_b(const Point& x, const RigidMotion& exact) const;
 
-  const PosedPath* path_;
   PairSearch search_;
   ModelPair pair_;
-  EnclosingSphere sphere_a_;
-  EnclosingSphere sphere_b_;
   double tolerance_;
+  std::function<bool()> interrupted_;
+};
+
+/// Unions with meshes.
+class MeshMoments : public SpeedMoments {
+ public:
+  /// Throws as MeshPairDistance.
+  MeshMoments(const PosedPath& path, const Model& a, const Model& b, std::function<bool()> interrupted)
+      : SpeedMoments(path, a, b), distance_(a, b), interrupted_(std::move(interrupted)) {}
+
+  [[nodiscard]] ExaminedStretch examine(const Stretch& stretch, double enough) const override;
+
+ private:
+  MeshPairDistance distance_;
   std::function<bool()> interrupted_;
 };
 

@@ -512,7 +512,7 @@ ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   verify::require_valid(pose, "pose");
   verify::require_tolerance(options.tolerance);
-  if (state_->meshes) return (*state_->meshes)(pose, options);
+  if (state_->meshes) return state_->meshes->searched(pose, options);
   const ScaledSearch& state = *state_->superquadrics;
   if (state.unit == 1.0) return state.search(pose, options);
   const std::optional<Pose> in_units = verify::in_units(pose, state.unit);
