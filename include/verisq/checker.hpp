@@ -120,7 +120,8 @@ class Checker {
  public:
   /// Each point is any within `point_radius` of the one given, each triangle any whose corners are. Precondition:
   /// finite, at least 0. Throws Error(input) where model or points are not exact and the model is not the union of its
-  /// primitives, and as `bracket`.
+  /// primitives, and as `bracket`; with meshes, unless they are closed, the model is that union, and its numbers are
+  /// exact.
   explicit Checker(const UncertainModel& model, double point_radius = 0.0);
   ~Checker();
   Checker(Checker&&) noexcept;
@@ -133,7 +134,8 @@ class Checker {
   [[nodiscard]] Finding operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
                                    const std::function<bool()>& interrupted = {}) const;
 
-  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners.
+  /// The same of the distance of a triangle, which is 0 where it meets the model. Throws Error(input) if the model has
+  /// meshes. Precondition: finite corners.
   [[nodiscard]] Finding operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
                                    const std::function<bool()>& interrupted = {}) const;
 

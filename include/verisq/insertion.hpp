@@ -47,8 +47,8 @@ struct InsertionCertificate {
 /// after construction: safe to call from many threads.
 class InsertionChecker {
  public:
-  /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and as
-  /// Checker.
+  /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, for an
+  /// implant with a mesh, and as Checker.
   InsertionChecker(const Model& implant, std::span<const Pose> path);
   ~InsertionChecker();
   InsertionChecker(InsertionChecker&&) noexcept;
