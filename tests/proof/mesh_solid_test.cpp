@@ -222,7 +222,7 @@ TEST_P(AboutMesh, DistanceIsExactToRounding) {
     const Enclosure found = solid.signed_distance(point);
     EXPECT_TRUE(truth.is_in(found)) << ::testing::PrintToString(point) << found.lo << " " << found.hi;
     const double size = std::max(std::abs(found.lo), std::abs(found.hi));
-    EXPECT_LE(found.width(), 0x1p-52 * size) << ::testing::PrintToString(point) << found.lo << " " << found.hi;
+    EXPECT_LE(found.width(), 0x1p-51 * size) << ::testing::PrintToString(point) << found.lo << " " << found.hi;
     EXPECT_EQ(truth.side == 0, found == (Enclosure{0.0, 0.0})) << ::testing::PrintToString(point);
   }
   RecordProperty("inside_on_outside", ::testing::PrintToString(sides));
@@ -245,8 +245,9 @@ TEST_P(AboutMesh, NothingFalseIsProved) {
     const Certificate nonsense{{{0, random.point(1.0)}, {7, random.point(1.0)}}, random.point(3.0)};
     EXPECT_EQ(check(point, honest, nonsense).verdict, Verdict::proved);
     const double size = std::max(std::abs(honest.lo), 1e-9) * std::pow(10.0, random.uniform(-16, 0));
-    const auto up = [](double x) { return std::nextafter(x, infinity); };
-    const auto down = [](double x) { return std::nextafter(x, -infinity); };
+    // The oracle has no subnormal numbers.
+    const auto up = [](double x) { return x == 0.0 ? 0x1p-300 : std::nextafter(x, infinity); };
+    const auto down = [&](double x) { return -up(-x); };
     const std::vector<Enclosure> claims{{up(honest.lo), honest.hi},
                                         {honest.lo, down(honest.hi)},
                                         {up(honest.lo), up(up(honest.hi))},
@@ -272,7 +273,7 @@ TEST_P(AboutMesh, NothingFalseIsProved) {
       EXPECT_FALSE(verdict == (holds ? Verdict::refuted : Verdict::proved)) << claim.lo << " " << claim.hi;
     }
   }
-  EXPECT_GT(false_claims, points_of_each() / 2);  // all scenes: more than 10,000
+  EXPECT_GT(false_claims, points_of_each() * 4 / 5);  // in all scenes more than 10,000
   EXPECT_GT(proved, points_of_each() / 9);
 }
 
@@ -335,7 +336,7 @@ TEST(MeshSolid, PosesAreExactToRounding) {
           EXPECT_LE(found.hi, is_exact ? 0.0 : 1e-30) << ::testing::PrintToString(point);
         } else {
           EXPECT_TRUE(found.lo > 0.0 || found.hi < 0.0) << ::testing::PrintToString(point);
-          EXPECT_LE(found.width(), 0x1p-52 * std::max(std::abs(found.lo), std::abs(found.hi)));
+          EXPECT_LE(found.width(), 0x1p-51 * std::max(std::abs(found.lo), std::abs(found.hi)));
         }
       }
     }
@@ -458,14 +459,14 @@ TEST(MeshUnion, IsProvedByEscapesAndNormalsOfTheOthers) {
     EXPECT_EQ(check(x, claim, truth.certificate).verdict, Verdict::proved)
         << ::testing::PrintToString(x) << d << " " << truth.deepest;
   }
-  EXPECT_GT(inside, 300U);
+  EXPECT_GT(inside, 100U);
 }
 
 TEST(MeshUnion, NothingFalseIsProved) {
   const Checker check(boxes_and_ball());
   Random random(12);
   std::size_t false_claims = 0;
-  for (int n = 0; n < 3000 && !HasFailure(); ++n) {
+  for (int n = 0; n < 2500 && !HasFailure(); ++n) {
     const Point x = union_place(random, n);
     const UnionTruth truth = union_truth(x);
     const double d = truth.signed_distance;
