@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "verify/proof/exact_checker.hpp"
+#include "verify/proof/model_checker.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"

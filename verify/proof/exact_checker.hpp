@@ -1,13 +1,10 @@
 /// Proves distances to an ordinary model by certificates.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "verify/proof/empty_neighbourhood.hpp"
-#include "verify/proof/mesh_solid.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -50,33 +47,6 @@ class ExactChecker {
   std::vector<PosedPrimitive> primitives_;
   SetExpression set_;
   bool is_union_ = false;
-};
-
-/// Checks models that may have closed meshes, too: of a union with meshes, points alone. Of a mesh it asks for no
-/// certificate, so that normals that name a mesh prove nothing. Immutable after construction: safe to call from many
-/// threads.
-class ModelChecker {
- public:
-  /// Throws Error(input) for a model that is not valid, for a mesh that is not closed, and for a model with meshes that
-  /// is not the union of all its primitives.
-  explicit ModelChecker(const Model& model);
-
-  /// As ExactChecker.
-  [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
-                                     const Hook& interrupted = {}) const;
-
-  /// As ExactChecker; throws Error(input) if the model has meshes.
-  [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
-                                     const Hook& interrupted = {}) const;
-
- private:
-  [[nodiscard]] Enclosure least_of_meshes(const Point& point) const;
-  [[nodiscard]] std::vector<Normal> normals_of_others(const Certificate& certificate) const;
-  [[nodiscard]] double lower_by_escape(const Point& point, const std::optional<Point>& escape) const;
-
-  std::vector<MeshSolid> meshes_;
-  std::optional<ExactChecker> others_;               ///< of all that are no meshes
-  std::vector<std::optional<std::uint32_t>> place_;  ///< of each primitive among the others
 };
 
 }  // namespace verisq::verify
