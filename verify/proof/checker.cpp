@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "verify/proof/exact_checker.hpp"
+#include "verify/proof/model_checker.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
@@ -21,7 +22,7 @@ namespace verisq {
 struct Checker::State {
   State(const Bracket& models, double point_radius)
       : bounds(models, point_radius),
-        checkers(verify::bracketed(models, [](const Model& model) { return verify::ExactChecker(model); })) {}
+        checkers(verify::bracketed(models, [](const Model& model) { return verify::ModelChecker(model); })) {}
 
   template <class Query>
   [[nodiscard]] Finding check(const Query& query, const Enclosure& claimed, const Certificate& certificate,
@@ -35,7 +36,7 @@ struct Checker::State {
     one_by_one.witness.reset();
     one_by_one.cover.clear();
     // Each end for itself: the other is claimed to be infinite, so that no work is spent on it.
-    const auto prove = [&](const verify::ExactChecker& checker, const Enclosure& end) {
+    const auto prove = [&](const verify::ModelChecker& checker, const Enclosure& end) {
       return checker(query, end, one_by_one, interrupted);
     };
     const Enclosure above = prove(checkers.smallest, {-infinity, bounds.upper_asked_for(claimed.hi)});
@@ -53,13 +54,18 @@ struct Checker::State {
   }
 
   verify::MemberBounds bounds;
-  verify::Bracketed<verify::ExactChecker> checkers;
+  verify::Bracketed<verify::ModelChecker> checkers;
 };
 
 Checker::Checker(const UncertainModel& model, double point_radius)
     : state_(std::make_unique<State>(verify::bracket_of_primitives(model), point_radius)) {
-  if (!state_->bounds.exact())
-    verify::require_union(verify::bracket_of_primitives(model).largest, "certificates of intervals");
+  if (state_->bounds.exact()) return;
+  const Model largest = verify::bracket_of_primitives(model).largest;
+  if (!has_mesh(largest)) {
+    verify::require_union(largest, "certificates of intervals");
+  } else if (!is_exact(model)) {
+    throw Error(ErrorKind::input, "a model with meshes is checked only if all of its numbers are exact");
+  }
 }
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;

@@ -14,6 +14,7 @@ namespace verisq::verify {
 /// Immutable after construction: safe to call from many threads.
 class ExactChecker {
  public:
+  /// Throws Error(input) for a model that is not valid, or has a mesh.
   explicit ExactChecker(const Model& model);
 
   /// The enclosure of the exact signed distance that the certificate proves, whatever the certificate contains. An

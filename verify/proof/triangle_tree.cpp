@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "verify/numbers/points.hpp"
@@ -255,23 +256,64 @@ TriangleTree::Nearest TriangleTree::nearest(const Point& point) const {
   return found;
 }
 
-bool TriangleTree::alone(const Point& point, double reach, std::uint32_t n) const {
-  const double squared_reach = multiply(reach, reach, Direction::up);
+template <class Passes, class Look>
+bool TriangleTree::all_of(const Passes& passes, const Look& look) const {
   std::array<std::uint32_t, deepest> open{};
   std::size_t size = 0;
   open[size++] = 0;
   while (size > 0) {
     const std::uint32_t place = open[--size];
     const Node& node = nodes_[place];
-    if (squared_distance_down(point, node.lower, node.upper) > squared_reach) continue;
+    if (passes(node)) continue;
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
-      if (k != n && !(distance_from_triangle(point, triangles_[k]).lo > reach)) return false;
+      if (!look(k)) return false;
     }
     if (node.count > 0) continue;
     open[size++] = node.first;
     open[size++] = place + 1;
   }
   return true;
+}
+
+bool TriangleTree::alone(const Point& point, double reach, std::uint32_t n) const {
+  const double squared_reach = multiply(reach, reach, Direction::up);
+  const auto is_beyond = [&](const Node& node) {
+    return squared_distance_down(point, node.lower, node.upper) > squared_reach;
+  };
+  return all_of(is_beyond,
+                [&](std::uint32_t k) { return k == n || distance_from_triangle(point, triangles_[k]).lo > reach; });
+}
+
+std::vector<std::uint32_t> TriangleTree::within(const Point& point, double reach) const {
+  const double squared_reach = multiply(reach, reach, Direction::up);
+  const auto is_beyond = [&](const Node& node) {
+    return squared_distance_down(point, node.lower, node.upper) > squared_reach;
+  };
+  std::vector<std::uint32_t> found;
+  all_of(is_beyond, [&](std::uint32_t k) {
+    if (!(distance_from_triangle(point, triangles_[k]).lo > reach)) found.push_back(k);
+    return true;
+  });
+  return found;
+}
+
+std::vector<std::uint32_t> TriangleTree::overlapping(const Point& lower, const Point& upper) const {
+  const auto is_apart = [&](const Point& low, const Point& high) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (low[i] > upper[i] || high[i] < lower[i]) return true;
+    }
+    return false;
+  };
+  std::vector<std::uint32_t> found;
+  const auto look = [&](std::uint32_t k) {
+    const auto& [a, b, c] = triangles_[k];
+    Point low, high;
+    for (std::size_t i = 0; i < 3; ++i) std::tie(low[i], high[i]) = std::minmax({a[i], b[i], c[i]});
+    if (!is_apart(low, high)) found.push_back(k);
+    return true;
+  };
+  all_of([&](const Node& node) { return is_apart(node.lower, node.upper); }, look);
+  return found;
 }
 
 std::vector<Triangle> triangles_of(const Mesh& mesh) {

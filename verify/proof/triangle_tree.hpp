@@ -40,7 +40,18 @@ class TriangleTree {
   /// Returns whether every triangle but n is proven to be farther than `reach` from the point.
   [[nodiscard]] bool alone(const Point& point, double reach, std::uint32_t n) const;
 
+  /// All triangles that are not proven to be farther than `reach` from the point.
+  [[nodiscard]] std::vector<std::uint32_t> within(const Point& point, double reach) const;
+
+  /// All triangles whose own box has a point with the box from `lower` to `upper` in common. Precondition: no NaN; ends
+  /// may be infinite.
+  [[nodiscard]] std::vector<std::uint32_t> overlapping(const Point& lower, const Point& upper) const;
+
   [[nodiscard]] const Triangle& triangle(std::uint32_t n) const { return triangles_[n]; }
+
+  /// The least box about all triangles.
+  [[nodiscard]] const Point& lower() const { return nodes_[0].lower; }
+  [[nodiscard]] const Point& upper() const { return nodes_[0].upper; }
 
  private:
   /// Boxes are exact: least and greatest coordinates.
@@ -52,6 +63,10 @@ class TriangleTree {
   };
 
   std::uint32_t build(std::span<Triangle> triangles, std::uint32_t first);
+  /// Calls look(n) for each triangle of each leaf, unless passes(node) of it or of a node above is true, until a call
+  /// returns false. Returns whether none did.
+  template <class Passes, class Look>
+  bool all_of(const Passes& passes, const Look& look) const;
 
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;

@@ -61,6 +61,7 @@ struct InsertionChecker::State {
 };
 
 InsertionChecker::InsertionChecker(const Model& implant, std::span<const Pose> path) {
+  verify::require_valid(implant);  // the path's seat is that of superquadrics
   check_path(path);
   state_ = std::make_unique<State>(implant, path);
 }

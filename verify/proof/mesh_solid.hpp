@@ -1,0 +1,37 @@
+/// A closed mesh as a solid: proves signed distances of points by itself, without a certificate.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "verify/proof/triangle_tree.hpp"
+#include "verify/solids/rigid_motion.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// The triangles of a closed mesh, and every point about which they wind (docs/mathematics.md §29). Immutable after
+/// construction: safe to call from many threads.
+class MeshSolid {
+ public:
+  /// Throws Error(input) unless the primitive's mesh is closed. Preconditions: the primitive has a mesh, and is valid.
+  explicit MeshSolid(const Primitive& primitive);
+
+  /// Encloses the distance to the nearest triangle, negative inside: nearly as tight as binary64 has it. [0, 0] for a
+  /// point that is proven to lie on a triangle. A pose that is not exact in 127 bits may leave the sign of a point
+  /// beside the surface open: then [-d, d]. Precondition: finite.
+  [[nodiscard]] Enclosure signed_distance(const Point& point) const;
+
+ private:
+  [[nodiscard]] std::optional<int> winding_number(const PreciseVector& own) const;
+  [[nodiscard]] std::optional<int> winding_number(const PreciseVector& own, std::size_t axis, bool upward) const;
+  [[nodiscard]] std::optional<bool> lies_on_one_of(std::span<const std::uint32_t> triangles,
+                                                   const PreciseVector& own) const;
+
+  RigidMotion motion_;
+  TriangleTree tree_;  ///< in the mesh's own frame
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,91 @@
+/// This file implements model_checker.hpp: for a union with meshes, what meshes and the other primitives prove
+/// together.
+#include "verify/proof/model_checker.hpp"
+
+#include <algorithm>
+
+#include "verify/numbers/points.hpp"
+#include "verify/proof/mesh_solid.hpp"
+#include "verify/proof/verdict.hpp"
+#include "verify/solids/model.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq::verify {
+
+ModelChecker::ModelChecker(const Model& model) {
+  require_valid_with_meshes(model);
+  if (!has_mesh(model)) {
+    others_.emplace(model);
+    return;
+  }
+  if (!is_union(model)) {
+    throw Error(ErrorKind::input, "a model with meshes is checked only if it is the union of all its primitives");
+  }
+  Model others{model.units, {}};
+  for (const Primitive& primitive : model.primitives) {
+    place_.push_back(primitive.mesh ? std::nullopt
+                                    : std::optional(static_cast<std::uint32_t>(others.primitives.size())));
+    if (primitive.mesh) {
+      meshes_.push_back(std::make_shared<const MeshSolid>(primitive));
+    } else {
+      others.primitives.push_back(primitive);
+    }
+  }
+  if (!others.primitives.empty()) others_.emplace(others);
+}
+
+Enclosure ModelChecker::least_of_meshes(const Point& point) const {
+  Enclosure least{infinity, infinity};
+  for (const std::shared_ptr<const MeshSolid>& mesh : meshes_) {
+    const Enclosure distance = mesh->signed_distance(point);
+    least = {std::min(least.lo, distance.lo), std::min(least.hi, distance.hi)};
+  }
+  return least;
+}
+
+std::vector<Normal> ModelChecker::normals_of_others(const Certificate& certificate) const {
+  std::vector<Normal> normals;
+  for (const auto& [primitive, v] : certificate.normals) {
+    if (primitive < place_.size() && place_[primitive]) normals.push_back({*place_[primitive], v});
+  }
+  return normals;
+}
+
+/// Minus the distance of a point that is proven to lie outside of all primitives.
+double ModelChecker::lower_by_escape(const Point& point, const std::optional<Point>& escape) const {
+  if (!escape || !is_finite(*escape)) return -infinity;
+  if (!(least_of_meshes(*escape).lo > 0.0)) return -infinity;
+  if (others_ && place_of(precise(*escape), others_->set(), others_->primitives()) != Place::outside) return -infinity;
+  return -distance_up(point, *escape);
+}
+
+/// Of a union the signed distance is at most that of each primitive, and the least of them if all are positive. A mesh
+/// alone may be a surface that crosses itself, whose signed distance is no depth: an escape proves nothing about it.
+Enclosure ModelChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
+                                   const Hook& interrupted) const {
+  if (meshes_.empty()) return (*others_)(point, claimed, certificate, interrupted);
+  const Enclosure of_meshes = least_of_meshes(point);
+  if (place_.size() == 1) return of_meshes;
+  Enclosure of_others{infinity, infinity};
+  if (others_) {
+    const Certificate by_normals{normals_of_others(certificate), std::nullopt};
+    // What the meshes prove is not asked for once more.
+    const double upper_asked = of_meshes.hi <= claimed.hi ? infinity : claimed.hi;
+    of_others = (*others_)(point, {claimed.lo, upper_asked}, by_normals, interrupted);
+  }
+  const double least = std::min(of_meshes.lo, of_others.lo);
+  const double lower = least > 0.0 ? least : lower_by_escape(point, certificate.escape);
+  return between(lower, std::min(of_meshes.hi, of_others.hi),
+                 [&] { return "the signed distance at " + text_of(point); });
+}
+
+Enclosure ModelChecker::operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
+                                   const Hook& interrupted) const {
+  if (!meshes_.empty()) {
+    throw Error(ErrorKind::input, "distances of triangles are not checked for a model with meshes: ask for points");
+  }
+  return (*others_)(triangle, claimed, certificate, interrupted);
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,42 @@
+/// Proves distances to models whose primitives may be closed meshes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "verify/proof/exact_checker.hpp"
+
+namespace verisq::verify {
+
+class MeshSolid;
+
+/// An ExactChecker of models that may have closed meshes, too: of a union with meshes it checks points alone. Of a mesh
+/// it asks for no certificate, so that normals that name a mesh prove nothing. Immutable after construction: safe to
+/// call from many threads.
+class ModelChecker {
+ public:
+  /// Throws Error(input) for a model that is not valid, for a mesh that is not closed, and for a model with meshes that
+  /// is not the union of all its primitives.
+  explicit ModelChecker(const Model& model);
+
+  /// As ExactChecker.
+  [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
+                                     const Hook& interrupted = {}) const;
+
+  /// As ExactChecker; throws Error(input) if the model has meshes.
+  [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
+                                     const Hook& interrupted = {}) const;
+
+ private:
+  [[nodiscard]] Enclosure least_of_meshes(const Point& point) const;
+  [[nodiscard]] std::vector<Normal> normals_of_others(const Certificate& certificate) const;
+  [[nodiscard]] double lower_by_escape(const Point& point, const std::optional<Point>& escape) const;
+
+  std::vector<std::shared_ptr<const MeshSolid>> meshes_;  ///< in a header of their own: others need not read it
+  std::optional<ExactChecker> others_;                    ///< of all that are no meshes
+  std::vector<std::optional<std::uint32_t>> place_;       ///< of each primitive among the others
+};
+
+}  // namespace verisq::verify
