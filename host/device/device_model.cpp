@@ -58,6 +58,7 @@ std::vector<bool> which_are_tapered(const Model& model) {
 }  // namespace
 
 std::string why_not_on_devices(const Model& model) {
+  if (has_mesh(model)) return "the device's kernels know superquadrics alone: the host does all";
   return within_device_range(model) ? std::string()
                                     : "the model's sizes span more than the device's kernels are made for";
 }

@@ -392,7 +392,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void check(const OctreeOptions& options) {
+void check(const Model& model, const OctreeOptions& options) {
+  if (has_mesh(model) && options.device != "auto" && options.device != "host")
+    throw Error(ErrorKind::input, "octree: the host colours meshes: no other device yet");
   if (options.depth < 0 || options.depth > deepest_octree_level)
     throw Error(ErrorKind::input,
                 fmt::format("octree: depth {} is not in 0 to {}", options.depth, deepest_octree_level));
@@ -434,8 +436,8 @@ struct OctreeBuilder::State {
 };
 
 OctreeBuilder::OctreeBuilder(const Model& model, const OctreeOptions& options) {
-  verify::require_valid(model);
-  check(options);
+  verify::require_valid_with_meshes(model);
+  check(model, options);
   state_ = std::make_unique<State>(model, options);
 }
 OctreeBuilder::~OctreeBuilder() = default;

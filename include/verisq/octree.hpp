@@ -58,8 +58,9 @@ using OctreeSink = std::function<void(std::span<const OctreeCube>)>;
 /// A model made ready for octrees: device chosen and tested, kernels compiled.
 class OctreeBuilder {
  public:
-  /// Throws Error(input) for options out of range, for a device that is not there or failed its self-test, and for a
-  /// model whose size overflows or is lost in the rounding of its position.
+  /// Throws Error(input) for options out of range, for a device that is not there or failed its self-test, for a model
+  /// whose size overflows or is lost in the rounding of its position, for a mesh that is not closed, and for meshes on a
+  /// named device: they are the host's.
   OctreeBuilder(const Model& model, const OctreeOptions& options);
   ~OctreeBuilder();
   OctreeBuilder(OctreeBuilder&&) noexcept;

@@ -7,6 +7,8 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/closed_mesh.hpp"
+#include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/rigid_motion.hpp"
@@ -355,12 +357,15 @@ bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_wi
          misses_cube(inside(map, half_width), half_width);
 }
 
-BoxPrimitive::BoxPrimitive(const Primitive& primitive) : state_(std::make_unique<State>(primitive)) {}
+BoxPrimitive::BoxPrimitive(const Primitive& primitive)
+    : state_(primitive.mesh ? nullptr : std::make_unique<State>(primitive)),
+      mesh_(primitive.mesh ? std::make_unique<PosedMesh>(primitive) : nullptr) {}
 BoxPrimitive::~BoxPrimitive() = default;
 BoxPrimitive::BoxPrimitive(BoxPrimitive&&) noexcept = default;
 BoxPrimitive& BoxPrimitive::operator=(BoxPrimitive&&) noexcept = default;
 
 Colour BoxPrimitive::colour(const Cube& cube) const {
+  if (mesh_) return verify::colour(*mesh_, cube);
   const Vector3<double> from_centre = state_->own_frame.from_centre(cube.centre);
   if (state_->sphere_misses(from_centre, cube.half_width)) return Colour::white;
   const Vector3<double> own = state_->own_frame.rotation() * from_centre;
@@ -376,6 +381,7 @@ Colour BoxPrimitive::colour(const Cube& cube) const {
 }
 
 HalfSpace BoxPrimitive::half_space(const Cube& cube, Side side) const {
+  if (mesh_) return verify::half_space(*mesh_, cube, side);
   const Vector3<double> own = state_->own_frame.rotation() * state_->own_frame.from_centre(cube.centre);
   const auto map = state_->affine(own, cube.half_width);
   if (!map) return kNothing;

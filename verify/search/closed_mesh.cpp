@@ -338,6 +338,28 @@ Triangle PosedMesh::triangle(std::uint32_t n) const {
   return result;
 }
 
+/// R v + (t - c). Elements of R are off by at most 2u of 1, three products and two sums round by 3u: R v by 5.1 u Σ|v|.
+/// The difference rounds by u, the last sum by u of both: 6.2 u Σ|v| + 2.1 u |t - c|, at most 6.2 u of the size.
+Triangle PosedMesh::triangle_about(const Point& centre, std::uint32_t n) const {
+  Triangle result = mesh_.tree().triangle(n);
+  for (Point& corner : result) {
+    corner = model_vector(corner);
+    for (std::size_t i = 0; i < 3; ++i) corner[i] += turned_.translation[i] - centre[i];
+  }
+  return result;
+}
+
+/// Σ|v| of the box's farthest corner and the largest |t - c|, with more than their sums round by.
+double PosedMesh::size_about(const Point& centre) const {
+  double sum = 0.0;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    sum += std::max(std::abs(mesh_.tree().lower()[i]), std::abs(mesh_.tree().upper()[i]));
+    largest = std::max(largest, std::abs(turned_.translation[i] - centre[i]));
+  }
+  return (sum + largest) * (1.0 + 0x1p-40);
+}
+
 /// The signed distance changes by no more than the way between two points, across the surface, too.
 void PosedMesh::place(double displacement, ClosedMesh::Distance& distance) const {
   if (!motion_) return;

@@ -112,18 +112,24 @@ class PosedMesh {
   /// A triangle in the model's frame, to nearest.
   [[nodiscard]] Triangle triangle(std::uint32_t n) const;
 
+  /// A point of the own frame, and how far it may be from the exact one. No number where it overflows.
+  struct OwnPoint {
+    Point point;
+    double displacement;
+  };
+  [[nodiscard]] OwnPoint own_point(const Point& point) const;
+
+  /// A triangle in the model's frame about a point of it: no coordinate is larger than `size_about` the point, nor off
+  /// by more than 2^-50 of that size.
+  [[nodiscard]] Triangle triangle_about(const Point& centre, std::uint32_t n) const;
+  [[nodiscard]] double size_about(const Point& centre) const;
+
  private:
   struct Turned {
     std::array<Point, 3> rows;  ///< of the rotation to the model's frame, to nearest
     Point translation;
   };
-  /// A point of the own frame, and how far it may be from the exact one.
-  struct OwnPoint {
-    Point point;
-    double displacement;
-  };
 
-  [[nodiscard]] OwnPoint own_point(const Point& point) const;
   [[nodiscard]] Point model_point(const Point& own) const;
   [[nodiscard]] Point model_vector(const Point& own) const;
   void place(double displacement, ClosedMesh::Distance& distance) const;

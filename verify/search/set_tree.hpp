@@ -25,13 +25,18 @@
 
 namespace verisq::verify {
 
-// One posed primitive, bent or not, over cubes of the model frame: inclusion functions of second order.
+class PosedMesh;
+
+// One posed primitive, bent or not, or a closed mesh, over cubes of the model frame: inclusion functions of second
+// order.
 
 /// Every statement is proven by outward-rounded intervals with binary64 ends. Over a cube of half-width h the
 /// coordinates in the primitive's own frame are an affine function of the position, up to a remainder of order h^2 (0
-/// without a bend). The gauge is convex: half-spaces are loose by the order h^2 only.
+/// without a bend). The gauge is convex: half-spaces are loose by the order h^2 only. A mesh has colours and
+/// half-spaces of mesh_in_cube.hpp.
 class BoxPrimitive {
  public:
+  /// Throws as ClosedMesh for a mesh.
   explicit BoxPrimitive(const Primitive& primitive);
   ~BoxPrimitive();
   BoxPrimitive(BoxPrimitive&&) noexcept;
@@ -43,9 +48,13 @@ class BoxPrimitive {
   /// A half-space that contains the part of K, or of the closure of its complement, in the cube.
   [[nodiscard]] HalfSpace half_space(const Cube& cube, Side side) const;
 
+  /// Null for a superquadric.
+  [[nodiscard]] const PosedMesh* mesh() const { return mesh_.get(); }
+
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<State> state_;  ///< of a superquadric
+  std::unique_ptr<PosedMesh> mesh_;
 };
 
 // Bounds of models as wholes: boxes around them, and enclosures of trees of set operations over cubes.

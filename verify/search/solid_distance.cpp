@@ -18,7 +18,9 @@
 #include "verify/proof/verdict.hpp"
 #include "verify/search/bent_distance.hpp"
 #include "verify/search/certified_distance.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/convex_primitive.hpp"
+#include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/polytope_distance.hpp"
 #include "verify/search/set_tree.hpp"
@@ -35,6 +37,11 @@ constexpr std::size_t kMostCubes = 20000;
 /// against the whole tree.
 constexpr std::size_t kMostLooks = std::size_t{1} << 16;
 
+Proposal from(const Point& a, const Point& b) {
+  const auto part = [&](std::size_t i) { return static_cast<long double>(b[i]) - a[i]; };
+  return {part(0), part(1), part(2)};
+}
+
 /// The solid, ready for searches.
 struct Scene {
   explicit Scene(const Model& model)
@@ -44,9 +51,22 @@ struct Scene {
     for (const Primitive& primitive : model.primitives) {
       primitives.emplace_back(primitive);
       origins.push_back(primitive.pose.translation);
-      convex.push_back(is_bent(primitive) ? std::nullopt : std::optional<ConvexPrimitive>(primitive));
+      const bool is_convex = !primitive.mesh && !is_bent(primitive);
+      convex.push_back(is_convex ? std::optional<ConvexPrimitive>(primitive) : std::nullopt);
       bent.push_back(is_bent(primitive) ? std::optional<BentDistance>(primitive) : std::nullopt);
     }
+  }
+
+  [[nodiscard]] const PosedMesh* mesh(std::size_t primitive) const { return primitives[primitive].mesh(); }
+
+  /// From p into the primitive. Bent or not, a superquadric contains the origin of its frame. Into a mesh leads the
+  /// mean normal of the surface about p.
+  [[nodiscard]] Proposal inwards(std::size_t primitive, const Point& p, double about) const {
+    const PosedMesh* const solid = mesh(primitive);
+    if (!solid) return from(p, origins[primitive]);
+    Point n = half_space(*solid, {p, about}, Side::inside).normal;
+    if (n == Point{}) n = solid->signed_distance(p).normal;
+    return {-n[0], -n[1], -n[2]};
   }
 
   SetNode inside;
@@ -54,8 +74,8 @@ struct Scene {
   std::optional<Cube> root;  ///< contains the solid; nothing if the solid is too large for binary64
   std::vector<BoxPrimitive> primitives;
   std::vector<Point> origins;                          ///< origins of the primitives' frames
-  std::vector<std::optional<ConvexPrimitive>> convex;  ///< nothing if the primitive is bent
-  std::vector<std::optional<BentDistance>> bent;       ///< nothing if the primitive is convex
+  std::vector<std::optional<ConvexPrimitive>> convex;  ///< nothing if the primitive is bent, or a mesh
+  std::vector<std::optional<BentDistance>> bent;       ///< nothing if the primitive is convex, or a mesh
 };
 
 /// The primitives of the leaves on that side.
@@ -82,11 +102,6 @@ Point moved(const Point& p, const Proposal& v, long double length) {
   const long double scale = length / std::hypot(v[0], v[1], v[2]);
   return {static_cast<double>(p[0] + scale * v[0]), static_cast<double>(p[1] + scale * v[1]),
           static_cast<double>(p[2] + scale * v[2])};
-}
-
-Proposal from(const Point& a, const Point& b) {
-  const auto part = [&](std::size_t i) { return static_cast<long double>(b[i]) - a[i]; };
-  return {part(0), part(1), part(2)};
 }
 
 /// The rounding error of lengths computed with numbers of this size.
@@ -133,6 +148,7 @@ class Search {
       found_upper(beyond.hi);
     }
     both_sides_ = on_both_sides(target_);
+    for (std::size_t i = 0; i < scene.primitives.size(); ++i) has_mesh_ = has_mesh_ || scene.mesh(i) != nullptr;
     for (auto& bounds : leaf_bounds_) bounds.assign(scene.primitives.size(), 0.0);
     bound_primitives(primitives_at_x);
     bound_complements(primitives_at_x);
@@ -222,7 +238,7 @@ class Search {
   /// numbers, but between a point strictly inside a primitive and one outside it there is one.
   bool accept_surface_about(const Point& p) {
     return std::ranges::any_of(both_sides_, [&](std::uint32_t primitive) {
-      const Proposal inwards = from(p, scene_.origins[primitive]);
+      const Proposal inwards = scene_.inwards(primitive, p, tolerance_ / 4);
       const long double reach = tolerance_ / 8;
       return usable(inwards) &&
              accept_surface(primitive, moved(p, inwards, reach), moved(p, inwards, -reach), {p, tolerance_ / 4});
@@ -279,13 +295,14 @@ class Search {
       if (found.lower != infinity && (found.lower >= upper_ || accept_proposal(found.nearest, node))) return;
     }
     improve_towards_centres(node);
+    if (has_mesh_) improve_away_from_planes(node);
   }
 
   /// The leaves whose origins are nearest to p: more than these cost more than they find, in large trees.
-  [[nodiscard]] std::vector<std::uint32_t> leaves_about(const Point& p, const SetNode& tree) const {
+  [[nodiscard]] std::vector<std::uint32_t> leaves_about(const Point& p, const SetNode& tree, Side side) const {
     constexpr std::size_t most = 16;
     std::vector<std::uint32_t> leaves;
-    append_leaves(tree, Side::inside, leaves);
+    append_leaves(tree, side, leaves);
     std::ranges::sort(leaves);
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     if (leaves.size() <= most) return leaves;
@@ -299,14 +316,31 @@ class Search {
   }
 
   /// If one plane does not determine the shape, at a tip or an edge: moves from the candidate into the primitives whose
-  /// tip it may be. Bent or not, a primitive contains the origin of its frame.
+  /// tip it may be.
   void improve_towards_centres(const Node& node) {
-    for (const std::uint32_t i : leaves_about(node.candidate, node.tree)) {
-      const Proposal inwards = from(node.candidate, scene_.origins[i]);
-      if (!usable(inwards)) continue;
-      for (double far = std::min(tolerance_, node.cube.half_width) / 8; far < 4 * node.cube.half_width; far *= 2) {
-        if (accept_proposal(moved(node.candidate, inwards, far), node)) break;
+    for (const std::uint32_t i : leaves_about(node.candidate, node.tree, Side::inside)) {
+      accept_farther(node, scene_.inwards(i, node.candidate, tolerance_ / 4));
+    }
+  }
+
+  /// Where sides of meshes and other boundaries meet: moves from the candidate away from all of them at once.
+  void improve_away_from_planes(const Node& node) {
+    Proposal inwards{};
+    for (const Side side : {Side::inside, Side::outside}) {
+      for (const std::uint32_t i : leaves_about(node.candidate, node.tree, side)) {
+        const Point n = scene_.primitives[i].half_space({node.candidate, tolerance_ / 4}, side).normal;
+        const long double length = std::hypot(n[0], n[1], n[2]);
+        if (!(length > 0.0)) continue;
+        for (std::size_t k = 0; k < 3; ++k) inwards[k] -= n[k] / length;
       }
+    }
+    accept_farther(node, inwards);
+  }
+
+  void accept_farther(const Node& node, const Proposal& inwards) {
+    if (!usable(inwards)) return;
+    for (double far = std::min(tolerance_, node.cube.half_width) / 8; far < 4 * node.cube.half_width; far *= 2) {
+      if (accept_proposal(moved(node.candidate, inwards, far), node)) break;
     }
   }
 
@@ -340,12 +374,18 @@ class Search {
   }
 
   [[nodiscard]] double bound_by_sphere(std::size_t primitive) const {
+    if (const PosedMesh* const mesh = scene_.mesh(primitive))
+      return std::max(0.0, mesh->signed_distance(x_).signed_distance.lo);
     const auto& convex = scene_.convex[primitive];
     return std::max(0.0, convex ? convex->proof().lower_by_sphere(x_) : scene_.bent[primitive]->lower_by_sphere(x_));
   }
 
   /// d(x, K) and a point beside K's nearest.
   [[nodiscard]] BentDistance::Nearest nearest_of(std::size_t primitive) const {
+    if (const PosedMesh* const mesh = scene_.mesh(primitive)) {
+      const ClosedMesh::Distance found = mesh->signed_distance(x_);
+      return {found.signed_distance, found.closest};
+    }
     if (!scene_.convex[primitive]) return (*scene_.bent[primitive])(x_);
     const ConvexPrimitive& convex = *scene_.convex[primitive];
     const PrimitiveDistance found = convex.signed_distance(x_, tolerance_ / 4);
@@ -368,22 +408,41 @@ class Search {
       const BentDistance::Nearest found = nearest_of(i);
       leaf_bound_of(i, Side::inside) = std::max(bound, found.distance.lo);
       // First, for the witness: tighter bounds than its own have none.
-      if (proposals_left_ > 0) accept_along(found.point, from(found.point, scene_.origins[i]));
+      if (proposals_left_ > 0) accept_along(found.point, scene_.inwards(i, found.point, tolerance_ / 4));
       if (proposals_left_ > 0) --proposals_left_;
       if (subset[i]) found_upper(found.distance.hi);  // d(x, T) <= d(x, K)
     }
   }
 
-  /// d(x, closure of K's complement) of primitives K that x is in.
+  /// The way out of K through the surface point that is nearest to x, and how far it is.
+  struct WayOut {
+    Enclosure depth;
+    Proposal direction;
+  };
+
+  [[nodiscard]] std::optional<WayOut> way_out(std::size_t primitive) const {
+    if (const PosedMesh* const mesh = scene_.mesh(primitive)) {
+      const ClosedMesh::Distance found = mesh->signed_distance(x_);
+      return WayOut{{-found.signed_distance.hi, -found.signed_distance.lo},
+                    {found.normal[0], found.normal[1], found.normal[2]}};
+    }
+    if (!scene_.convex[primitive]) return std::nullopt;
+    const ConvexPrimitive& convex = *scene_.convex[primitive];
+    const PrimitiveDistance found = convex.signed_distance(x_, tolerance_ / 4);
+    return WayOut{{-found.distance.hi, -found.distance.lo}, convex.model_direction(found.direction)};
+  }
+
+  /// d(x, closure of K's complement) of primitives K that x is in. A ball about x that is free of a mesh's triangles
+  /// lies in its interior.
   void bound_complements(std::span<const Colour> at_x) {
     const std::vector<bool> wanted = leaves(Side::outside);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (!wanted[i] || !scene_.convex[i] || at_x[i] != Colour::black) continue;
-      const PrimitiveDistance found = scene_.convex[i]->signed_distance(x_, tolerance_ / 4);
-      leaf_bound_of(i, Side::outside) = std::max(0.0, -found.distance.hi);
-      const Proposal out = scene_.convex[i]->model_direction(found.direction);
-      if (!usable(out) || proposals_left_ == 0) continue;
-      accept_along(moved(x_, out, -static_cast<long double>(found.distance.lo)), out);
+      if (!wanted[i] || at_x[i] != Colour::black) continue;
+      const std::optional<WayOut> out = way_out(i);
+      if (!out) continue;
+      leaf_bound_of(i, Side::outside) = std::max(0.0, out->depth.lo);
+      if (!usable(out->direction) || proposals_left_ == 0) continue;
+      accept_along(moved(x_, out->direction, static_cast<long double>(out->depth.hi)), out->direction);
       --proposals_left_;
     }
   }
@@ -408,6 +467,7 @@ class Search {
   std::size_t examined_ = 0;
   std::size_t visited_ = 0;
   double finest_ = infinity;
+  bool has_mesh_ = false;
 };
 
 /// Finite, where everything is proven to be empty.

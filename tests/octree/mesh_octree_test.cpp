@@ -1,0 +1,103 @@
+/// Octrees of closed meshes: volumes that hold the exact one, who colours them, and what is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+#include <verisq/device.hpp>
+#include <verisq/octree.hpp>
+
+#include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verify/solids/rigid_motion.hpp"
+
+namespace verisq::testing {
+namespace {
+
+Mesh turned(Mesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+Mesh scaled(Mesh mesh, double factor) {
+  for (Point& vertex : mesh.vertices) {
+    for (double& x : vertex) x *= factor;
+  }
+  return mesh;
+}
+
+/// By the divergence theorem: a sixth of the sum of determinants.
+Enclosure exact_volume(const Mesh& mesh) {
+  verify::PreciseInterval six(0);
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const verify::PreciseVector a = verify::precise(mesh.vertices[i]);
+    const verify::PreciseVector b = verify::precise(mesh.vertices[j]);
+    const verify::PreciseVector c = verify::precise(mesh.vertices[k]);
+    six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  return verify::rounded_outward(six / verify::PreciseInterval(6));
+}
+
+OctreeSummary grown(const Model& model, int depth, const std::string& device = "host") {
+  OctreeOptions options;
+  options.depth = depth;
+  options.device = device;
+  return OctreeBuilder(model, options).build();
+}
+
+void expect_holds(const OctreeSummary& summary, const Enclosure& volume, double share) {
+  EXPECT_LE(summary.volume.lo, volume.lo);
+  EXPECT_GE(summary.volume.hi, volume.hi);
+  EXPECT_LE(summary.volume.hi - summary.volume.lo, share * volume.hi);
+}
+
+TEST(MeshOctree, HoldsTheExactVolume) {
+  const Pose pose{{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}};
+  for (const Mesh& mesh : {tetrahedron(), sphere_mesh(3), torus_mesh(1.0, 0.4, 24, 12)}) {
+    const Enclosure volume = exact_volume(mesh);
+    for (const Mesh& solid : {mesh, turned(mesh)}) {
+      expect_holds(grown({"", {mesh_primitive("mesh", solid)}}, 6), volume, 0.5);
+      expect_holds(grown({"", {mesh_primitive("mesh", solid, pose)}}, 6), volume, 0.5);
+    }
+  }
+}
+
+/// A hollow ball as one mesh, and as a difference of two.
+TEST(MeshOctree, OfDifferencesOfMeshes) {
+  const Mesh outer = sphere_mesh(3);
+  const Mesh inner = scaled(outer, 0.75);
+  const Enclosure of_outer = exact_volume(outer);
+  const Enclosure of_inner = exact_volume(inner);
+  const Enclosure volume{of_outer.lo - of_inner.hi - 1e-12, of_outer.hi - of_inner.lo + 1e-12};
+  const SetExpression difference{{{{}, SetOperation::unite, 0}, {{}, SetOperation::unite, 1}}, SetOperation::subtract};
+  expect_holds(grown({"", {mesh_primitive("hollow", join(outer, turned(inner)))}}, 6), volume, 0.5);
+  expect_holds(grown({"", {mesh_primitive("outer", outer), mesh_primitive("inner", inner)}, difference}, 6), volume,
+               0.5);
+  const Primitive ball{"ball", {{0.75, 0.75, 0.75}, {1.0, 1.0}}, {}};
+  const OctreeSummary mixed = grown({"", {mesh_primitive("outer", outer), ball}, difference}, 6);
+  EXPECT_LT(mixed.volume.lo, volume.lo);
+  EXPECT_GT(mixed.volume.hi, of_outer.lo - 4.0 / 3.0 * 3.1416 * 0.421875);
+}
+
+TEST(MeshOctree, IsTheHosts) {
+  const Model model{"", {mesh_primitive("mesh", sphere_mesh(1))}};
+  EXPECT_EQ(grown(model, 3, "auto").device, "host");
+  for (const DeviceReport& report : test_devices()) {
+    expect_error([&] { grown(model, 3, std::to_string(report.index)); }, ErrorKind::input, "",
+                 "octree: the host colours meshes: no other device yet");
+  }
+}
+
+TEST(MeshOctree, RefusesOpenMeshes) {
+  Mesh open = tetrahedron();
+  open.triangles.pop_back();
+  Primitive primitive = mesh_primitive("mesh", tetrahedron());
+  primitive.mesh = std::make_shared<const Mesh>(open);
+  EXPECT_THAT([&] { grown({"", {primitive}}, 3); }, ::testing::Throws<Error>());
+}
+
+}  // namespace
+}  // namespace verisq::testing

@@ -1,0 +1,346 @@
+/// Closed meshes over cubes: colours and half-spaces against exact membership, and distances to sets of meshes.
+#include "verify/search/mesh_in_cube.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/fixtures/random.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+#include "tests/oracle/exact_mesh.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/proof/triangle_tree.hpp"
+#include "verify/search/set_tree.hpp"
+#include "verify/search/solid_distance.hpp"
+#include "verify/solids/rigid_motion.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using testing::join;
+using testing::Random;
+using testing::sphere_mesh;
+using testing::tetrahedron;
+using testing::torus_mesh;
+
+Mesh moved(Mesh mesh, double scale, const Point& by) {
+  for (Point& vertex : mesh.vertices) {
+    for (std::size_t i = 0; i < 3; ++i) vertex[i] = scale * vertex[i] + by[i];
+  }
+  return mesh;
+}
+
+Mesh turned(Mesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+/// |x_i| <= half_i.
+Mesh box_mesh(const Point& half) {
+  Mesh mesh;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      for (const double z : {-1.0, 1.0}) mesh.vertices.push_back({x * half[0], y * half[1], z * half[2]});
+    }
+  }
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                    {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return mesh;
+}
+
+/// Sharp corners, in and out.
+Mesh star_mesh() {
+  Mesh mesh = sphere_mesh(1);
+  Random random(5);
+  for (Point& vertex : mesh.vertices) {
+    const double radius = random.uniform(0.3, 1.7);
+    for (double& x : vertex) x *= radius;
+  }
+  return mesh;
+}
+
+struct NamedMesh {
+  std::string name;
+  Mesh mesh;
+};
+
+std::vector<NamedMesh> meshes() {
+  return {{"tetrahedron", tetrahedron()},
+          {"turned inward", turned(box_mesh({1.0, 0.5, 0.25}))},
+          {"torus", torus_mesh(1.0, 0.4, 8, 5)},
+          {"star", star_mesh()},
+          {"hollow", join(sphere_mesh(1), turned(moved(sphere_mesh(1), 0.75, {})))},
+          {"nested alike", join(sphere_mesh(1), moved(sphere_mesh(1), 0.5, {}))},
+          {"crossing", join(sphere_mesh(1), moved(sphere_mesh(1), 1.0, {0.5, 0.25, 0.0}))},
+          {"thin", box_mesh({1.0, 1.0, 0x1p-6})}};
+}
+
+std::vector<Pose> poses() {
+  return {{}, {{0.3, -0.2, 0.1}, {1, 0, 0, 0}}, {{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}}};
+}
+
+/// Where points of a cube lie, in the own frame of a mesh: those less than `doubt` away from a triangle are left out.
+class Membership {
+ public:
+  Membership(const Mesh& mesh, const Pose& pose) : exact_(triangles_of(mesh)), motion_(pose) {}
+
+  [[nodiscard]] std::optional<bool> operator()(const Point& x) const {
+    const PreciseVector local = motion_.local_point(x);
+    Point own;
+    for (std::size_t i = 0; i < 3; ++i) own[i] = local[static_cast<int>(i)].lower().to_double(Direction::down);
+    constexpr double doubt = 0x1p-44;
+    if (oracle::holds_root({0.0, doubt}, exact_.squared_distance(own))) return std::nullopt;
+    return exact_.winding_number(own) != 0;
+  }
+
+ private:
+  oracle::ExactMesh exact_;
+  RigidMotion motion_;
+};
+
+Point point_of(const Cube& cube, Random& random) {
+  Point point = cube.centre;
+  for (double& x : point) x += cube.half_width * random.uniform(-1.0, 1.0);
+  return point;
+}
+
+Cube cube_about_surface(const PosedMesh& mesh, double largest, Random& random) {
+  const auto n = static_cast<std::uint32_t>(random.uniform(0.0, static_cast<double>(mesh.mesh().tree().size()) - 0.5));
+  const Triangle triangle = mesh.triangle(n);
+  const double b = random.uniform(0.0, 1.0);
+  const double c = random.uniform(0.0, 1.0 - b);
+  const double half_width = std::ldexp(largest, -static_cast<int>(random.uniform(0.0, 9.0)));
+  Cube cube{{}, half_width};
+  for (std::size_t i = 0; i < 3; ++i) {
+    cube.centre[i] = (1.0 - b - c) * triangle[0][i] + b * triangle[1][i] + c * triangle[2][i] +
+                     random.uniform(-1.5, 1.5) * half_width;
+  }
+  return cube;
+}
+
+bool holds(const HalfSpace& half_space, const Cube& cube, const Point& x) {
+  Interval along(0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    along = along + Interval(half_space.normal[i]) * (Interval(x[i]) - Interval(cube.centre[i]));
+  }
+  return along.lower() <= half_space.offset;
+}
+
+struct Counts {
+  int decided = 0;
+  int cut = 0;
+};
+
+/// Cubes about the surface, up to the largest half-width, and points of each.
+Counts expect_sound(const NamedMesh& named, const Pose& pose, double largest, Random& random) {
+  const auto& [name, mesh] = named;
+  const PosedMesh posed(mesh_primitive(name, mesh, pose));
+  const Membership contains(mesh, pose);
+  Counts counts;
+  for (int k = 0; k < 60; ++k) {
+    const Cube cube = cube_about_surface(posed, largest, random);
+    const Colour found = colour(posed, cube);
+    const HalfSpace inside = half_space(posed, cube, Side::inside);
+    const HalfSpace outside = half_space(posed, cube, Side::outside);
+    counts.decided += found != Colour::gray ? 1 : 0;
+    counts.cut += found == Colour::gray && std::isfinite(inside.offset) && std::isfinite(outside.offset) ? 1 : 0;
+    for (int i = 0; i < 8; ++i) {
+      const Point x = point_of(cube, random);
+      const std::optional<bool> is_in = contains(x);
+      if (!is_in) continue;
+      EXPECT_NE(found, *is_in ? Colour::white : Colour::black) << name;
+      EXPECT_TRUE(holds(*is_in ? inside : outside, cube, x)) << name << ' ' << k << ' ' << cube.half_width;
+    }
+  }
+  return counts;
+}
+
+TEST(MeshInCubeTest, ColoursAndHalfSpacesHoldForEveryPointOfTheCube) {
+  Random random(3);
+  for (const NamedMesh& mesh : meshes()) {
+    for (const Pose& pose : poses()) {
+      const Counts counts = expect_sound(mesh, pose, 1.0, random);
+      EXPECT_GT(counts.decided, 0) << mesh.name;
+      EXPECT_GT(counts.cut, 10) << mesh.name;
+    }
+  }
+}
+
+/// Far from the origin coordinates are rounded by more than small cubes measure.
+TEST(MeshInCubeTest, RoundingIsCovered) {
+  Random random(9);
+  const Pose far{{0x1p20 + 0.3, -0x1p20 / 3, 0x1p19}, {0.8, 0.1, -0.5, 0.3}};
+  for (const NamedMesh& mesh : meshes()) {
+    int cut = 0;
+    for (const double largest : {0x1p-13, 0x1p-19, 0x1p-22, 0x1p-25})
+      cut += expect_sound(mesh, far, largest, random).cut;
+    EXPECT_GT(cut, 20) << mesh.name;
+  }
+}
+
+/// A triangle touches a cube's edge, side or corner, or passes it by: as the exact distance of the cube says.
+TEST(MeshInCubeTest, CubesFreeOfTrianglesAreDecided) {
+  Random random(8);
+  for (const auto& [name, mesh] : meshes()) {
+    const PosedMesh posed(mesh_primitive(name, mesh));
+    for (int k = 0; k < 200; ++k) {
+      const Cube cube = cube_about_surface(posed, 1.0, random);
+      if (cube.half_width > 0.1) continue;
+      // The least distance of a dense lattice of the cube's points to the triangles, less half the lattice's diagonal.
+      constexpr int n = 12;
+      double least = infinity;
+      for (int i = 0; i < n * n * n; ++i) {
+        Point x = cube.centre;
+        x[0] += cube.half_width * (2 * (i % n) + 1 - n) / n;
+        x[1] += cube.half_width * (2 * (i / n % n) + 1 - n) / n;
+        x[2] += cube.half_width * (2 * (i / n / n) + 1 - n) / n;
+        const Enclosure there = posed.signed_distance(x).signed_distance;
+        least = std::min({least, std::abs(there.lo), std::abs(there.hi)});
+      }
+      const Colour found = colour(posed, cube);
+      const double between = std::sqrt(3.0) * cube.half_width / n;
+      EXPECT_FALSE(found == Colour::gray && least > 1.001 * between) << name << ' ' << k;
+    }
+  }
+}
+
+/// Points beside the surface, on it, far away, and where numbers end.
+TEST(MeshInCubeTest, Points) {
+  const PosedMesh box(mesh_primitive("box", box_mesh({1.0, 1.0, 1.0})));
+  EXPECT_EQ(colour(box, {{0.0, 0.0, 0.0}, 0.0}), Colour::black);
+  EXPECT_EQ(colour(box, {{1.0, 0.25, 0.5}, 0.0}), Colour::gray);
+  EXPECT_EQ(colour(box, {{1.0 + 1e-13, 0.25, 0.5}, 0.0}), Colour::white);
+  EXPECT_EQ(colour(box, {{1.0 - 1e-13, 0.25, 0.5}, 0.0}), Colour::black);
+  EXPECT_EQ(colour(box, {{0.25, 0.0, 0.0}, 0.5}), Colour::black);
+  EXPECT_EQ(colour(box, {{0.25, 0.0, 0.0}, 0.75}), Colour::gray);
+  const PosedMesh posed(mesh_primitive("box", box_mesh({1.0, 1.0, 1.0}), {{1.0, 2.0, 3.0}, {0.9, 0.1, 0.2, 0.3}}));
+  for (const double far : {1e10, 1e100, 1e300, 1.7e308}) {
+    for (const PosedMesh* const mesh : {&box, &posed}) {
+      for (const double half_width : {0.0, 1.0, far / 4, far, 1.7e308}) {
+        for (const Point& at : {Point{far, far, far}, Point{-far, far, 0.0}, Point{0.0, 0.0, far}}) {
+          EXPECT_NE(colour(*mesh, {at, half_width}), Colour::black);
+          for (const Side side : {Side::inside, Side::outside}) {
+            EXPECT_FALSE(std::isnan(half_space(*mesh, {at, half_width}, side).offset));
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(colour(box, {{0.0, 0.0, 0.0}, 1e300}), Colour::gray);
+}
+
+/// Over one plane half-spaces are that plane; over an edge that of the solid touches it.
+TEST(MeshInCubeTest, HalfSpacesTouchTheSurface) {
+  const PosedMesh box(mesh_primitive("box", box_mesh({1.0, 1.0, 1.0})));
+  const auto distance_of_plane = [](const HalfSpace& h) {
+    return h.offset / std::hypot(h.normal[0], h.normal[1], h.normal[2]);
+  };
+  const Cube at_face{{0.95, 0.3, 0.2}, 0.1};
+  EXPECT_NEAR(distance_of_plane(half_space(box, at_face, Side::inside)), 0.05, 1e-12);
+  EXPECT_NEAR(distance_of_plane(half_space(box, at_face, Side::outside)), -0.05, 1e-12);
+  const Cube at_edge{{1.0, 1.0, 0.2}, 0.1};
+  EXPECT_NEAR(distance_of_plane(half_space(box, at_edge, Side::inside)), 0.0, 1e-12);
+  EXPECT_NEAR(distance_of_plane(half_space(box, at_edge, Side::outside)), 0.1 / std::sqrt(2.0), 1e-12);
+  const Cube at_corner{{1.0, 1.0, 1.0}, 0.1};
+  EXPECT_NEAR(distance_of_plane(half_space(box, at_corner, Side::inside)), 0.0, 1e-12);
+}
+
+// Distances to sets of meshes and superquadrics.
+
+SetExpression leaf(std::uint32_t primitive) {
+  return {.operands = {}, .operation = SetOperation::unite, .primitive = primitive};
+}
+
+Model combined(std::vector<Primitive> primitives, SetOperation operation) {
+  SetExpression all{.operands = {}, .operation = operation};
+  for (std::uint32_t i = 0; i < primitives.size(); ++i) all.operands.push_back(leaf(i));
+  return {"", std::move(primitives), all};
+}
+
+bool never() {
+  return false;
+}
+
+Enclosure distance(const SolidDistance& search, const Point& x, double tolerance) {
+  return search(x, tolerance, {-infinity, infinity}, never);
+}
+
+/// A single mesh in a tree of its own: the search finds what the mesh knows.
+TEST(MeshSetTest, OneMeshAloneHasItsOwnDistance) {
+  Random random(4);
+  for (const auto& [name, mesh] : meshes()) {
+    if (name == "crossing" || name == "nested alike") continue;  // triangles within hide the depth
+    const oracle::ExactMesh exact(triangles_of(mesh));
+    const SolidDistance search(combined({mesh_primitive(name, mesh)}, SetOperation::unite));
+    for (int k = 0; k < 30; ++k) {
+      const Point x = random.point(k % 2 == 0 ? 1.0 : 2.5);
+      const Enclosure found = distance(search, x, 1e-6);
+      EXPECT_LE(found.width(), 1e-6) << name;
+      const oracle::Fraction squared = exact.squared_distance(x);
+      const bool is_in = exact.winding_number(x) != 0;
+      EXPECT_TRUE(oracle::holds_root(is_in ? Enclosure{-found.hi, -found.lo} : found, squared)) << name;
+    }
+  }
+}
+
+/// The cube [-1, 1]^3 and a box over the upper half: of superquadrics, or meshes, in their place or posed.
+Point turned_about_z(const Point& x, double degrees) {
+  const double a = degrees * 0.017453292519943295;
+  return {std::cos(a) * x[0] - std::sin(a) * x[1], std::sin(a) * x[0] + std::cos(a) * x[1], x[2]};
+}
+
+Pose about_z(double degrees) {
+  const double a = degrees * 0.017453292519943295 / 2;
+  return {{}, {std::cos(a), 0.0, 0.0, std::sin(a)}};
+}
+
+/// Signed distance of the box [lower, upper].
+double of_box(const Point& x, const Point& lower, const Point& upper) {
+  double outside = 0.0;
+  double inside = -infinity;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double beyond = std::max(lower[i] - x[i], x[i] - upper[i]);
+    outside = std::hypot(outside, std::max(0.0, beyond));
+    inside = std::max(inside, beyond);
+  }
+  return inside > 0.0 ? outside : inside;
+}
+
+TEST(MeshSetTest, AMeshCutByABoxIsABox) {
+  Random random(6);
+  const Mesh cube = box_mesh({1.0, 1.0, 1.0});
+  for (const double degrees : {0.0, 30.0}) {
+    const Primitive mesh = mesh_primitive("cube", cube, about_z(degrees));
+    Primitive upper{"", {{8.0, 8.0, 8.0}, {0.02, 0.02}}, about_z(degrees)};
+    upper.pose.translation = {0.0, 0.0, 8.25};
+    // As good as a box where it matters: near its axis, the face is flat to rounding.
+    const SolidDistance both(combined({mesh, upper}, SetOperation::intersect));
+    const SolidDistance rest(combined({mesh, upper}, SetOperation::subtract));
+    const Primitive block =
+        mesh_primitive("block", moved(box_mesh({8.0, 8.0, 8.0}), 1.0, {0, 0, 8.25}), about_z(degrees));
+    const SolidDistance of_meshes(combined({mesh, block}, SetOperation::intersect));
+    const SolidDistance rest_of_meshes(combined({mesh, block}, SetOperation::subtract));
+    for (int k = 0; k < 40; ++k) {
+      const Point x = random.point(k % 2 == 0 ? 1.0 : 2.0);
+      const Point at = turned_about_z(x, degrees);
+      const double upper_part = of_box(x, {-1, -1, 0.25}, {1, 1, 1});
+      const double lower_part = of_box(x, {-1, -1, -1}, {1, 1, 0.25});
+      for (const auto& [search, exact] : {std::pair(&both, upper_part), std::pair(&rest, lower_part),
+                                          std::pair(&of_meshes, upper_part), std::pair(&rest_of_meshes, lower_part)}) {
+        const Enclosure found = distance(*search, at, 1e-5);
+        EXPECT_LE(found.lo, exact + 1e-12) << k << ' ' << degrees;
+        EXPECT_GE(found.hi, exact - 1e-12) << k << ' ' << degrees;
+        EXPECT_LE(found.width(), 1e-5) << k << ' ' << degrees << ' ' << exact << ' ' << found.lo << ' ' << found.hi;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace verisq::verify
