@@ -1,10 +1,12 @@
-/// Maps of points to unions with closed meshes: the host asks the meshes, a device may map the other primitives.
+/// Maps of points to models with closed meshes: the host asks the meshes, a device may map the other primitives.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,6 +19,9 @@
 #include "host/maps/uncertain_map.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/search/mesh_union.hpp"
+#include "verify/search/octree_cube.hpp"
+#include "verify/solids/model.hpp"
+#include "verisq/distance.hpp"
 #include "verisq/error.hpp"
 #include "verisq/map.hpp"
 
@@ -51,7 +56,10 @@ std::string note_of(const MeshUnion::Part& part, const Model& model) {
 class MeshMap final : public ExactMap<Point> {
  public:
   MeshMap(const Model& model, const MapOptions& options)
-      : options_(options), radius_(bounding_radius(model)), solids_(model) {
+      : options_(options),
+        stop_(either(options.interrupted, options.out_of_time)),
+        radius_(bounding_radius(model)),
+        solids_(model) {
     if (options.method != Method::duality)
       throw Error(ErrorKind::input, "the published method: not supported for meshes");
     for (const MeshUnion::Part& part : solids_.meshes()) {
@@ -105,7 +113,9 @@ class MeshMap final : public ExactMap<Point> {
       prove(points, first, std::min(points_at_once, points.size() - first), others, rows, certificates);
     });
     summary.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::uint64_t wide_before = summary.wide;
     count(summary, rows);
+    if (summary.wide > wide_before && options_.out_of_time && options_.out_of_time()) summary.out_of_time = true;
     sink(points, rows, certificates);
   }
 
@@ -125,6 +135,8 @@ class MeshMap final : public ExactMap<Point> {
       if (others_) to_others = {others.results[n].distance, {}};
       if (others_ && options_.certificates) to_others->certificate = others.certificates[n];
       CertifiedEnclosure found = solids_.joined(points[n], to_meshes, to_others);
+      if (!is_good(points[n], found.distance))
+        solids_.narrow(points[n], options_.tolerance, options_.certificates, stop_, found);
       rows[n] = {found.distance, is_good(points[n], found.distance) ? Status::host_verified : Status::wide};
       if (options_.certificates) certificates[n] = std::move(found.certificate);
     }
@@ -136,16 +148,58 @@ class MeshMap final : public ExactMap<Point> {
   }
 
   MapOptions options_;
+  std::function<bool()> stop_;
   double radius_;
   MeshUnion solids_;
   std::string notice_;
   std::unique_ptr<ExactMap<Point>> others_;
 };
 
+/// Set operations other than the union: the host searches each point.
+class MeshSetProver {
+ public:
+  MeshSetProver(const Model& model, const MapOptions& options)
+      : tolerance_(options.tolerance),
+        radius_(bounding_radius(model)),
+        stop_(either(options.interrupted, options.out_of_time)),
+        distance_(std::make_unique<SignedDistance>(model)) {
+    if (options.method != Method::duality)
+      throw Error(ErrorKind::input, "the published method: not supported for meshes");
+    if (options.certificates)
+      throw Error(ErrorKind::input, "certificates: not supported for set operations with meshes, but for their union");
+    refuse_empty(model, *distance_, options.interrupted);
+    if (options.out_of_time)
+      coarse_ = std::make_unique<verify::CoarseDistance>(coarse_distance(model, *distance_, options.interrupted));
+  }
+
+  void check(const Point& point) const { require_finite(std::span(&point, 1)); }
+  [[nodiscard]] std::string describe(const Point& p) const { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
+  [[nodiscard]] bool at_limit(const Point& /*point*/, const Enclosure& found) const {
+    return verified(found, tightest_inside * radius_);
+  }
+  [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
+    return {(*distance_)(point, tolerance_, stop_), {}};
+  }
+  [[nodiscard]] CertifiedEnclosure coarse(const Point& point) const { return {(*coarse_)(point), {}}; }
+  [[nodiscard]] static bool witnessed(const Point& /*point*/, double /*hi*/, const Certificate& /*none*/) {
+    return false;
+  }
+
+ private:
+  double tolerance_;
+  double radius_;
+  std::function<bool()> stop_;
+  std::unique_ptr<SignedDistance> distance_;
+  std::unique_ptr<verify::CoarseDistance> coarse_;  // where there is a time limit
+};
+
 }  // namespace
 
 std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options) {
-  return std::make_unique<MeshMap>(model, options);
+  if (verify::is_union(model)) return std::make_unique<MeshMap>(model, options);
+  return std::make_unique<PreparedMap<Point, MeshSetProver>>(MeshSetProver(model, options), options, model,
+                                                             PreparedMap<Point, MeshSetProver>::MakeBatch(),
+                                                             "the host maps meshes, no other device yet");
 }
 
 }  // namespace verisq

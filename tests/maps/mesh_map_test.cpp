@@ -156,6 +156,21 @@ TEST(MeshMap, JoinsMeshesAndSuperquadrics) {
   }
 }
 
+/// The cube without a ball about its corner.
+TEST(MeshMap, SearchesOtherSetOperations) {
+  Model model = cube_and_ball();
+  model.primitives[0].pose.translation = {1.0, 1.0, 1.0};
+  model.csg = SetExpression{{{.primitive = 1}, {.primitive = 0}}, SetOperation::subtract};
+  const std::vector<Point> points{{1.0, 1.0, 1.0}, {2.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.625, 0.625, 0.625}};
+  const Rows rows = mapped(model, {.tolerance = 1e-3, .device = "host"}, points);
+  const std::vector<double> expected{0.5, 1.0, -1.0, -(std::sqrt(3.0) * 0.375 - 0.5)};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LE(rows.results[i].distance.lo, expected[i] + 1e-12) << i;
+    EXPECT_GE(rows.results[i].distance.hi, expected[i] - 1e-12) << i;
+    EXPECT_LE(rows.results[i].distance.width(), 1e-3) << i;
+  }
+}
+
 /// Where both touch, along the face of the cube, a point lies inside of the union, and on both surfaces.
 TEST(MeshMap, SeesThatTouchingSolidsCoverTheirCommonFace) {
   Model model = model_of(cube());

@@ -175,6 +175,7 @@ MeshUnion::MeshUnion(const Model& model) : size_(size_of(model)) {
       index_of_.push_back(n);
     }
   }
+  if (model.primitives.size() > 1) search_ = std::make_unique<SolidDistance>(model);
   if (others.primitives.empty()) return;
   to_others_ = std::make_unique<SignedDistance>(others);
   others_ = std::move(others);
@@ -189,10 +190,36 @@ CertifiedEnclosure MeshUnion::operator()(const Point& point, double tolerance, b
   std::vector<ClosedMesh::Distance> to_meshes;
   to_meshes.reserve(meshes_.size());
   for (const Part& part : meshes_) to_meshes.push_back(part.mesh.signed_distance(point));
-  if (!to_others_) return joined(point, to_meshes, std::nullopt);
-  return joined(point, to_meshes,
-                certified ? to_others_->certified(point, tolerance, interrupted, false)
-                          : CertifiedEnclosure{(*to_others_)(point, tolerance, interrupted), {}});
+  std::optional<CertifiedEnclosure> to_others;
+  if (to_others_) {
+    to_others = certified ? to_others_->certified(point, tolerance, interrupted, false)
+                          : CertifiedEnclosure{(*to_others_)(point, tolerance, interrupted), {}};
+  }
+  CertifiedEnclosure found = joined(point, to_meshes, to_others);
+  narrow(point, tolerance, certified, interrupted, found);
+  return found;
+}
+
+namespace {
+
+/// Share of the size: no narrower enclosure is searched for.
+constexpr double search_limit = 1e-10;
+
+}  // namespace
+
+void MeshUnion::narrow(const Point& point, double tolerance, bool certified, const std::function<bool()>& interrupted,
+                       CertifiedEnclosure& found) const {
+  const double width = std::max(tolerance, search_limit * size_);
+  Enclosure& distance = found.distance;
+  if (!search_ || distance.width() <= width) return;
+  if (!certified) {
+    distance = (*search_)(point, width, distance, interrupted);
+    return;
+  }
+  const std::optional<Point> out = search_->escape(point, 0.25 * width, interrupted);
+  if (!out || !(distance.lo < 0.0) || !(-distance_up(point, *out) > distance.lo) || !is_outside(*out)) return;
+  distance.lo = -distance_up(point, *out);
+  found.certificate.escape = out;
 }
 
 /// The union is no farther than any part. Outside of all parts, not on them, it is as far as the nearest. Elsewhere a

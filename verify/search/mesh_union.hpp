@@ -1,4 +1,4 @@
-/// Unions of closed meshes and superquadrics: signed distances and closest points.
+/// Closed meshes among other primitives: signed distances and closest points.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "verify/search/closed_mesh.hpp"
+#include "verify/search/solid_distance.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
@@ -43,9 +44,15 @@ class MeshUnion {
   [[nodiscard]] CertifiedEnclosure operator()(const Point& point, double tolerance, bool certified,
                                               const std::function<bool()>& interrupted) const;
 
-  /// The same from distances to each mesh, in order, and to the others, whose certificate is of their own model.
+  /// The same without a search, from distances to each mesh, in order, and to the others, whose certificate is of their
+  /// own model.
   [[nodiscard]] CertifiedEnclosure joined(const Point& point, std::span<const ClosedMesh::Distance> to_meshes,
                                           const std::optional<CertifiedEnclosure>& to_others) const;
+
+  /// Narrows what is wider than the tolerance by a search, in a union of several primitives. What certificates prove of
+  /// the upper end is left as it is.
+  void narrow(const Point& point, double tolerance, bool certified, const std::function<bool()>& interrupted,
+              CertifiedEnclosure& found) const;
 
   /// As SignedDistance::closest_point where it is proven.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(const Point& point) const;
@@ -59,6 +66,7 @@ class MeshUnion {
   std::optional<Model> others_;
   std::vector<std::uint32_t> index_of_;        ///< of each of the others, in Model::primitives
   std::unique_ptr<SignedDistance> to_others_;  ///< where there are some
+  std::unique_ptr<SolidDistance> search_;      ///< of several primitives
   double size_;                                ///< no coordinate of the solid is larger
 };
 

@@ -325,26 +325,31 @@ struct Superquadrics {
 
 }  // namespace
 
-/// One of the two.
+/// One of the three.
 struct SignedDistance::State {
-  explicit State(const Model& model) {
-    if (has_mesh(model))
+  explicit State(const Model& model) : resolution(search_limit * bounding_radius(model)) {
+    if (!has_mesh(model))
+      superquadrics.emplace(model);
+    else if (verify::is_union(model))
       meshes.emplace(model);
     else
-      superquadrics.emplace(model);
+      sets_of_meshes.emplace(model);
   }
 
   [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point, const Enclosure& known) const {
-    return meshes ? meshes->closest_point(point) : superquadrics->proven_closest_point(point, known);
+    if (superquadrics) return superquadrics->proven_closest_point(point, known);
+    return meshes ? meshes->closest_point(point) : std::nullopt;
   }
 
   [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
-    return meshes ? verisq::closest_point_within(distance, point)
-                  : superquadrics->closest_point_within(distance, point);
+    return superquadrics ? superquadrics->closest_point_within(distance, point)
+                         : verisq::closest_point_within(distance, point);
   }
 
   std::optional<Superquadrics> superquadrics;
-  std::optional<verify::MeshUnion> meshes;
+  std::optional<verify::MeshUnion> meshes;              ///< with superquadrics or without
+  std::optional<verify::SolidDistance> sets_of_meshes;  ///< of other set operations
+  double resolution;
 };
 
 SignedDistance::SignedDistance(const Model& model) {
@@ -364,6 +369,10 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance,
                                      const std::function<bool()>& interrupted) const {
   require_query(point, tolerance);
   if (state_->meshes) return (*state_->meshes)(point, tolerance, false, interrupted).distance;
+  if (state_->sets_of_meshes) {
+    const double width = std::max(tolerance, state_->resolution);
+    return (*state_->sets_of_meshes)(point, width, nothing_known, interrupted);
+  }
   const Superquadrics& solids = *state_->superquadrics;
   if (!solids.convex) return solids.searched(point, tolerance, nothing_known, interrupted);
   const Enclosure known = verify::signed_distance(solids.convex->primitives, point, tolerance).distance;
@@ -395,6 +404,8 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
                                              const std::function<bool()>& interrupted, bool covers) const {
   require_query(point, tolerance);
   if (state_->meshes) return (*state_->meshes)(point, tolerance, true, interrupted);
+  if (state_->sets_of_meshes)
+    throw Error(ErrorKind::input, "certificates: not supported for set operations with meshes, but for their union");
   const Superquadrics& state = *state_->superquadrics;
   if (!covers && !state.is_union) throw Error(ErrorKind::input, "certificates without covers: only for unions");
   const CertifiedEnclosure found =
