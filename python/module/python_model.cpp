@@ -277,8 +277,8 @@ void declare_models(py::module_& module) {
                   "from_mesh(mesh, *, name=\"mesh\", units=\"\", pose=None) -> Model\n\n"
                   "The model of one solid: every point about which the triangles of a closed Mesh wind. pose: seven\n"
                   "numbers, translation in model units and quaternion [w, x, y, z]. Model.load takes mesh files, too.\n"
-                  "Raises Error, with the number of open edges, for a mesh that is not closed. So far for points:\n"
-                  "map(), Checker and closest_points().")
+                  "Raises Error, with the number of open edges, for a mesh that is not closed. docs/formats.md §2 says\n"
+                  "which functions take meshes so far.")
       .def(
           "to_dict", [](const PythonModel& self) { return dictionary(self); },
           "to_dict() -> dict\n\nWhat from_dict makes the same model of, bit for bit.")
