@@ -343,6 +343,49 @@ TEST(MeshSolid, PosesAreExactToRounding) {
   }
 }
 
+/// With a pose the surface passes through the enclosure of a point off it: nothing is known of its side.
+TEST(MeshSolid, PosesLeaveSignsOpenThatTheyDoNotDecide) {
+  const WholeRotation rotation{{1, 2, 2, 4}};
+  const double n = rotation.n();
+  const Mesh mesh = box({-2 * n, -2 * n, 0}, {2 * n, 2 * n, n});
+  const MeshSolid solid(mesh_primitive("", mesh, {{}, rotation.quaternion}));
+  Mesh larger = mesh;
+  for (Point& vertex : larger.vertices) vertex = rotation.times_n(vertex);
+  const oracle::ExactMesh exact(triangles_of(larger));
+  const Point normal = rotation.times_n({0, 0, 1});  // of the face through the origin
+  for (const double off : {0.0, 0x1p-200, -0x1p-200}) {
+    const Point point{normal[1], -normal[0], off};
+    Truth truth = truth_at(exact, {n * point[0], n * point[1], n * point[2]});
+    truth.squared.denominator *= static_cast<int>(n * n);
+    EXPECT_EQ(truth.side, off == 0.0 ? 0 : (off * normal[2] > 0.0 ? -1 : 1));
+    const Enclosure found = solid.signed_distance(point);
+    EXPECT_TRUE(truth.is_in(found)) << found.lo << " " << found.hi;
+    EXPECT_EQ(found.lo, -found.hi);
+    EXPECT_LT(found.hi, 1e-35);
+  }
+}
+
+/// In a void, where every ray meets a side of the outer box, in which two triangles meet.
+TEST(MeshSolid, PosedPointsWhoseRaysMeetSidesAreDecidedByPointsBeside) {
+  const WholeRotation rotation{{1, 2, 2, 4}};
+  const double n = rotation.n();
+  for (const double c : {0.25 * n, 0x1p-60 * n}) {
+    const double beside = c < 1.0 ? std::nextafter(c, 1.0) : 0.75 * n;
+    const Mesh mesh = join(box({-2 * n, -2 * n, -2 * n}, {2 * n, 2 * n, 2 * n}),
+                           turned(box({-n, -0.5 * n, -0.75 * n}, {beside, 0.75 * n, 0.5 * n})));
+    Mesh larger = mesh;
+    for (Point& vertex : larger.vertices) vertex = rotation.times_n(vertex);
+    const Point seen = rotation.times_n({c, c, c});
+    const Point point{seen[0] / n, seen[1] / n, seen[2] / n};
+    ASSERT_EQ((Point{n * point[0], n * point[1], n * point[2]}), seen);
+    const Enclosure found = MeshSolid(mesh_primitive("", mesh, {{}, rotation.quaternion})).signed_distance(point);
+    const double distance = std::min(beside - c, 0.25 * n);
+    EXPECT_LE(found.lo, distance);
+    EXPECT_GE(found.hi, distance);
+    EXPECT_EQ(found.lo > 0.0, c > 1.0) << found.lo << " " << found.hi;  // else no point beside is near enough
+  }
+}
+
 // Unions: three boxes, two of which cross, and a ball far from them.
 
 const std::vector<std::pair<Point, Point>>& boxes() {

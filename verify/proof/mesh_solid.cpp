@@ -283,7 +283,7 @@ std::optional<int> MeshSolid::winding_number(const PreciseVector& own, std::size
   return sum;
 }
 
-/// Every way is right that decides: first those on which the mesh ends soon.
+/// Every way is right that decides: first those on which the mesh ends soon. A point of binary64 is always decided.
 std::optional<int> MeshSolid::winding_number(const PreciseVector& own) const {
   struct Ray {
     double way;
@@ -332,7 +332,9 @@ Enclosure MeshSolid::signed_distance(const Point& point) const {
   if (is_on && *is_on) return {0.0, 0.0};
   const bool is_done = bounds.are_tight() || !is_one_point(own);  // more bits do not narrow an enclosed point
   const Enclosure distance = is_done ? bounds.in_binary64() : least_distance<Wide>(own, triangles).in_binary64();
-  const std::optional<int> winding = is_on ? winding_number(own) : std::nullopt;
+  // No triangle is nearer than `bounds.lower`: a point less far away has the same winding number.
+  const bool winds_alike = Real(displacement) < bounds.lower;
+  const std::optional<int> winding = is_on ? winding_number(winds_alike ? precise(near) : own) : std::nullopt;
   if (!winding) return {-distance.hi, distance.hi};
   return *winding == 0 ? distance : Enclosure{-distance.hi, -distance.lo};
 }

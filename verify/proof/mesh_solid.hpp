@@ -21,7 +21,7 @@ class MeshSolid {
 
   /// Encloses the distance to the nearest triangle, negative inside: nearly as tight as binary64 has it. [0, 0] for a
   /// point that is proven to lie on a triangle. A pose that is not exact in 127 bits may leave the sign of a point
-  /// beside the surface open: then [-d, d]. Precondition: finite.
+  /// within some 2^-52 of its size beside the surface open: then [-d, d]. Precondition: finite.
   [[nodiscard]] Enclosure signed_distance(const Point& point) const;
 
  private:
