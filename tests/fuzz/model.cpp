@@ -1,11 +1,14 @@
 /// Fuzz target of parse_model, parse_uncertain_model, parse_areas and parse_model_landmarks.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <span>
 #include <verisq/clearance.hpp>
 #include <verisq/features.hpp>
 #include <verisq/files.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
 
 #include "tests/fuzz/landmark_promise.hpp"
 #include "tests/fuzz/promise.hpp"
@@ -20,7 +23,14 @@ void check_interval(const Enclosure& interval) {
 }
 
 void check_primitive(const UncertainPrimitive& primitive) {
-  const auto& [name, semi_axes, exponents, translation, quaternion, bend, taper] = primitive;
+  const auto& [name, semi_axes, exponents, translation, quaternion, bend, taper, mesh] = primitive;
+  if (mesh) {
+    check(!mesh->triangles.empty(), "a mesh has triangles");
+    check(!bend && taper == 1.0, "a mesh is neither bent nor tapered");
+    for (const auto& triangle : mesh->triangles)
+      check(std::ranges::all_of(triangle, [&](std::uint32_t k) { return k < mesh->vertices.size(); }), "corners exist");
+    return;
+  }
   for (const Enclosure& number : semi_axes) check_interval(number);
   for (const Enclosure& number : exponents) check_interval(number);
   for (const Enclosure& number : translation) check_interval(number);
