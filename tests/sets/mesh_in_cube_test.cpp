@@ -85,22 +85,29 @@ std::vector<Pose> poses() {
   return {{}, {{0.3, -0.2, 0.1}, {1, 0, 0, 0}}, {{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}}};
 }
 
-/// Where points of a cube lie, in the own frame of a mesh: those less than `doubt` away from a triangle are left out.
+Mesh moved(Mesh mesh, const Point& by) {
+  return moved(std::move(mesh), 1.0, by);
+}
+
+/// Where points lie to a mesh that is moved by `shift`, then posed, by the mesh without both. Points less than `doubt`
+/// away from a triangle are left out.
 class Membership {
  public:
-  Membership(const Mesh& mesh, const Pose& pose) : exact_(triangles_of(mesh)), motion_(pose) {}
+  Membership(const Mesh& mesh, const Point& shift, const Pose& pose)
+      : exact_(triangles_of(mesh)), shift_(precise(shift)), motion_(pose) {}
 
   [[nodiscard]] std::optional<bool> operator()(const Point& x) const {
-    const PreciseVector local = motion_.local_point(x);
+    const PreciseVector local = motion_.local_point(x) - shift_;
     Point own;
-    for (std::size_t i = 0; i < 3; ++i) own[i] = local[static_cast<int>(i)].lower().to_double(Direction::down);
-    constexpr double doubt = 0x1p-44;
+    for (int i = 0; i < 3; ++i) own[static_cast<std::size_t>(i)] = local[i].lower().to_double(Direction::down);
+    constexpr double doubt = 0x1p-50;
     if (oracle::holds_root({0.0, doubt}, exact_.squared_distance(own))) return std::nullopt;
     return exact_.winding_number(own) != 0;
   }
 
  private:
   oracle::ExactMesh exact_;
+  PreciseVector shift_;
   RigidMotion motion_;
 };
 
@@ -138,10 +145,10 @@ struct Counts {
 };
 
 /// Cubes about the surface, up to the largest half-width, and points of each.
-Counts expect_sound(const NamedMesh& named, const Pose& pose, double largest, Random& random) {
+Counts expect_sound(const NamedMesh& named, const Point& shift, const Pose& pose, double largest, Random& random) {
   const auto& [name, mesh] = named;
-  const PosedMesh posed(mesh_primitive(name, mesh, pose));
-  const Membership contains(mesh, pose);
+  const PosedMesh posed(mesh_primitive(name, moved(mesh, shift), pose));
+  const Membership contains(mesh, shift, pose);
   Counts counts;
   for (int k = 0; k < 60; ++k) {
     const Cube cube = cube_about_surface(posed, largest, random);
@@ -165,23 +172,97 @@ TEST(MeshInCubeTest, ColoursAndHalfSpacesHoldForEveryPointOfTheCube) {
   Random random(3);
   for (const NamedMesh& mesh : meshes()) {
     for (const Pose& pose : poses()) {
-      const Counts counts = expect_sound(mesh, pose, 1.0, random);
+      const Counts counts = expect_sound(mesh, {}, pose, 1.0, random);
       EXPECT_GT(counts.decided, 0) << mesh.name;
       EXPECT_GT(counts.cut, 10) << mesh.name;
     }
   }
 }
 
-/// Far from the origin coordinates are rounded by more than small cubes measure.
+Mesh on_grid(Mesh mesh) {
+  for (Point& vertex : mesh.vertices) {
+    for (double& x : vertex) x = std::nearbyint(x * 0x1p20) * 0x1p-20;
+  }
+  return mesh;
+}
+
+/// Far from the origin of its frame the coordinates of a mesh are exact, and those in the model's frame are rounded by
+/// as much as small cubes measure.
 TEST(MeshInCubeTest, RoundingIsCovered) {
   Random random(9);
-  const Pose far{{0x1p20 + 0.3, -0x1p20 / 3, 0x1p19}, {0.8, 0.1, -0.5, 0.3}};
-  for (const NamedMesh& mesh : meshes()) {
+  const Point shift{0x1p20, -0x1p21, 0x1p19};
+  const Pose pose{{-0x1p20 + 0.3, 0.7, 3.0}, {0.8, 0.1, -0.5, 0.3}};
+  for (const auto& [name, mesh] : meshes()) {
     int cut = 0;
-    for (const double largest : {0x1p-13, 0x1p-19, 0x1p-22, 0x1p-25})
-      cut += expect_sound(mesh, far, largest, random).cut;
-    EXPECT_GT(cut, 20) << mesh.name;
+    for (const double largest : {0x1p-12, 0x1p-18, 0x1p-22, 0x1p-25, 0x1p-25}) {
+      cut += expect_sound({name, on_grid(mesh)}, shift, pose, largest, random).cut;
+    }
+    EXPECT_GT(cut, 20) << name;
   }
+}
+
+/// The triangle nearest to the centre misses the cube, and another one meets it at a corner.
+TEST(MeshInCubeTest, TheNearestTriangleIsNotAll) {
+  const Mesh before_face = moved(box_mesh({0.5, 0.25, 0.25}), {1.5625, 0.0, 0.0});
+  const Mesh at_corner = moved(box_mesh({0.5, 0.5, 0.5}), {1.4375, 1.4375, 1.4375});
+  const Cube cube{{}, 1.0};
+  EXPECT_EQ(colour(PosedMesh(mesh_primitive("", before_face)), cube), Colour::white);
+  EXPECT_EQ(colour(PosedMesh(mesh_primitive("", join(before_face, at_corner))), cube), Colour::gray);
+}
+
+/// The solid holds a corner of the cube, less than what is worth cutting: its triangles face inward.
+TEST(MeshInCubeTest, SmallPartsAreNotCutOff) {
+  for (const double part : {0x1p-16, 0x1p-14, 0x1p-12, 0x1p-10}) {
+    Mesh mesh;
+    const double a = 3.0 - 3.0 * part;
+    mesh.vertices = {{a + 8, -4, -4}, {-4, a + 8, -4}, {-4, -4, a + 8}, {5, 5, 5}};
+    mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+    const double within = 1.0 - part / 2;
+    for (const Mesh& solid : {mesh, turned(mesh)}) {
+      const HalfSpace inside = half_space(PosedMesh(mesh_primitive("", solid)), {{}, 1.0}, Side::inside);
+      EXPECT_TRUE(holds(inside, {{}, 1.0}, {within, within, within})) << part;
+    }
+  }
+}
+
+/// How far the surface in the cube reaches, by points of its triangles.
+double reach_of_surface(const PosedMesh& mesh, const Cube& cube, const Point& n, Random& random) {
+  double reach = -infinity;
+  for (std::uint32_t k = 0; k < mesh.mesh().tree().size(); ++k) {
+    const Triangle triangle = mesh.triangle(k);
+    for (int i = 0; i < 4000; ++i) {
+      const double b = random.uniform(0.0, 1.0);
+      const double c = random.uniform(0.0, 1.0 - b);
+      double along = 0.0;
+      bool is_in = true;
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double e = (1.0 - b - c) * triangle[0][j] + b * triangle[1][j] + c * triangle[2][j] - cube.centre[j];
+        is_in = is_in && std::abs(e) <= cube.half_width;
+        along += n[j] * e;
+      }
+      if (is_in) reach = std::max(reach, along);
+    }
+  }
+  return reach;
+}
+
+TEST(MeshInCubeTest, HalfSpacesReachNoFartherThanTheSurface) {
+  Random random(12);
+  Mesh flat = box_mesh({1.0, 0.75, 0.5});
+  flat.vertices[7] = {1.5, 1.25, 0.25};
+  const PosedMesh mesh(mesh_primitive("skew", flat, {{}, {0.8, 0.1, -0.5, 0.3}}));
+  int checked = 0;
+  for (int k = 0; k < 60; ++k) {
+    Cube cube = cube_about_surface(mesh, 1.0, random);
+    cube.half_width = random.uniform(0.3, 0.6);
+    for (const Side side : {Side::inside, Side::outside}) {
+      const HalfSpace found = half_space(mesh, cube, side);
+      if (colour(mesh, cube) != Colour::gray || !std::isfinite(found.offset)) continue;
+      ++checked;
+      EXPECT_LE(found.offset - reach_of_surface(mesh, cube, found.normal, random), 0.25 * cube.half_width) << k;
+    }
+  }
+  EXPECT_GT(checked, 60);
 }
 
 /// A triangle touches a cube's edge, side or corner, or passes it by: as the exact distance of the cube says.
