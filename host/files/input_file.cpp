@@ -201,8 +201,12 @@ std::string_view InputFile::peek_text(std::size_t count) {
 }
 
 void InputFile::go_to(std::uint64_t position) {
+  if (position >= block_start_ && position - block_start_ <= end_) {  // no need to read the block again
+    next_ = position - block_start_;
+    return;
+  }
   if (!file_) {
-    next_ = std::min<std::size_t>(position, end_);
+    next_ = end_;
     return;
   }
   if (fseeko(file_.get(), static_cast<off_t>(position), SEEK_SET) != 0) {

@@ -148,11 +148,44 @@ template <class Number>
   return order == std::endian::native ? value : reversed_bytes(value);
 }
 
+enum class NumberType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
+
+[[nodiscard]] constexpr std::size_t size_of(NumberType type) {
+  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return sizes[static_cast<std::size_t>(type)];
+}
+
+[[nodiscard]] constexpr bool is_integer(NumberType type) {
+  return type != NumberType::float32 && type != NumberType::float64;
+}
+
+/// The number of that type at `bytes`, converted. Exact for double from all types but integers of 64 bits, and for
+/// std::int64_t from all integers but those from 2^63 on, which become negative. Precondition: one of these two.
+template <class Number>
+[[nodiscard]] Number converted_from(const char* bytes, NumberType type, std::endian order) {
+  switch (type) {
+    case NumberType::int8: return static_cast<Number>(number_from<std::int8_t>(bytes, order));
+    case NumberType::uint8: return static_cast<Number>(number_from<std::uint8_t>(bytes, order));
+    case NumberType::int16: return static_cast<Number>(number_from<std::int16_t>(bytes, order));
+    case NumberType::uint16: return static_cast<Number>(number_from<std::uint16_t>(bytes, order));
+    case NumberType::int32: return static_cast<Number>(number_from<std::int32_t>(bytes, order));
+    case NumberType::uint32: return static_cast<Number>(number_from<std::uint32_t>(bytes, order));
+    case NumberType::int64: return static_cast<Number>(number_from<std::int64_t>(bytes, order));
+    case NumberType::uint64: return static_cast<Number>(number_from<std::uint64_t>(bytes, order));
+    case NumberType::float32: return static_cast<Number>(number_from<float>(bytes, order));
+    case NumberType::float64: break;
+  }
+  return static_cast<Number>(number_from<double>(bytes, order));
+}
+
 /// The value whose bytes on this machine are those of `value` in little-endian order.
 template <class Number>
 [[nodiscard]] Number in_little_endian(Number value) {
   return std::endian::native == std::endian::little ? value : reversed_bytes(value);
 }
+
+/// Deflate codes at most 258 bytes by two bits (RFC 1951, section 3.2.5): zlib's manual says 1032:1.
+inline constexpr std::uint64_t most_unpacked_of_one = 1032;
 
 // SHA-256 (FIPS 180-4): people and certificates identify by it the file that an answer is about.
 

@@ -21,9 +21,6 @@ namespace {
 constexpr std::size_t block = std::size_t{1} << 16;
 constexpr int gzip_only = 16 + MAX_WBITS;
 
-/// Deflate codes at most 258 bytes by two bits (RFC 1951, section 3.2.5): zlib's manual says 1032:1.
-constexpr std::uint64_t most_bytes_of_one = 1032;
-
 }  // namespace
 
 ByteStream::ByteStream(InputFile& file, Packing packing)
@@ -36,7 +33,7 @@ ByteStream::~ByteStream() {
 }
 
 std::uint64_t ByteStream::most_bytes() const {
-  return packing_ == Packing::none ? packed_size_ : most_bytes_of_one * packed_size_;
+  return packing_ == Packing::none ? packed_size_ : most_unpacked_of_one * packed_size_;
 }
 
 void ByteStream::next_member() {
@@ -186,42 +183,26 @@ void append_labels(const InputFile& file, std::span<const char> bytes, std::endi
   }
 }
 
-void append_labels(const InputFile& file, std::span<const char> bytes, VoxelType type, std::endian order,
+void append_labels(const InputFile& file, std::span<const char> bytes, NumberType type, std::endian order,
                    std::vector<std::uint16_t>& labels) {
   switch (type) {
-    case VoxelType::int8: return append_labels<std::int8_t>(file, bytes, order, labels);
-    case VoxelType::uint8: return append_labels<std::uint8_t>(file, bytes, order, labels);
-    case VoxelType::int16: return append_labels<std::int16_t>(file, bytes, order, labels);
-    case VoxelType::uint16: return append_labels<std::uint16_t>(file, bytes, order, labels);
-    case VoxelType::int32: return append_labels<std::int32_t>(file, bytes, order, labels);
-    case VoxelType::uint32: return append_labels<std::uint32_t>(file, bytes, order, labels);
-    case VoxelType::int64: return append_labels<std::int64_t>(file, bytes, order, labels);
-    case VoxelType::uint64: return append_labels<std::uint64_t>(file, bytes, order, labels);
-    case VoxelType::float32: return append_labels<float>(file, bytes, order, labels);
-    case VoxelType::float64: return append_labels<double>(file, bytes, order, labels);
+    case NumberType::int8: return append_labels<std::int8_t>(file, bytes, order, labels);
+    case NumberType::uint8: return append_labels<std::uint8_t>(file, bytes, order, labels);
+    case NumberType::int16: return append_labels<std::int16_t>(file, bytes, order, labels);
+    case NumberType::uint16: return append_labels<std::uint16_t>(file, bytes, order, labels);
+    case NumberType::int32: return append_labels<std::int32_t>(file, bytes, order, labels);
+    case NumberType::uint32: return append_labels<std::uint32_t>(file, bytes, order, labels);
+    case NumberType::int64: return append_labels<std::int64_t>(file, bytes, order, labels);
+    case NumberType::uint64: return append_labels<std::uint64_t>(file, bytes, order, labels);
+    case NumberType::float32: return append_labels<float>(file, bytes, order, labels);
+    case NumberType::float64: return append_labels<double>(file, bytes, order, labels);
   }
 }
 
 }  // namespace
 
-std::size_t size_of(VoxelType type) {
-  switch (type) {
-    case VoxelType::int8:
-    case VoxelType::uint8: return 1;
-    case VoxelType::int16:
-    case VoxelType::uint16: return 2;
-    case VoxelType::int32:
-    case VoxelType::uint32:
-    case VoxelType::float32: return 4;
-    case VoxelType::int64:
-    case VoxelType::uint64:
-    case VoxelType::float64: break;
-  }
-  return 8;
-}
-
 std::size_t voxel_count(const InputFile& file, const ByteStream& stream, const std::array<std::int64_t, 3>& counts,
-                        VoxelType type) {
+                        NumberType type) {
   const std::uint64_t most = stream.most_bytes() / size_of(type);
   std::uint64_t voxels = 1;
   for (const std::int64_t count : counts) {
@@ -235,7 +216,7 @@ std::size_t voxel_count(const InputFile& file, const ByteStream& stream, const s
   return voxels;
 }
 
-std::vector<std::uint16_t> read_voxels(const InputFile& file, ByteStream& stream, std::size_t count, VoxelType type,
+std::vector<std::uint16_t> read_voxels(const InputFile& file, ByteStream& stream, std::size_t count, NumberType type,
                                        std::endian order) {
   std::vector<std::uint16_t> labels;
   labels.reserve(count);

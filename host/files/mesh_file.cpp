@@ -42,12 +42,13 @@ std::uint32_t MeshBuilder::add_vertex(const Point& vertex) {
   return static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
 }
 
-std::uint32_t MeshBuilder::checked_index(std::int64_t index) const {
-  const std::size_t count = mesh_.vertices.size();
+std::uint32_t MeshBuilder::checked_index(std::int64_t index, std::size_t first) const {
+  const std::size_t count = mesh_.vertices.size() - first;
   if (index < 0 || static_cast<std::uint64_t>(index) >= count) {
-    file_.fail(fmt::format("vertex index {}: out of range, the file has {} vertices, counted from 0", index, count));
+    const std::string_view whole = first == 0 ? "the file" : "the piece";
+    file_.fail(fmt::format("vertex index {}: out of range, {} has {} vertices, counted from 0", index, whole, count));
   }
-  return static_cast<std::uint32_t>(index);
+  return static_cast<std::uint32_t>(first + static_cast<std::uint64_t>(index));
 }
 
 void MeshBuilder::check_corner_count(std::int64_t count) const {
@@ -92,6 +93,8 @@ Reader reader_for(const std::filesystem::path& path) {
   if (extension == ".obj") return read_obj;
   if (extension == ".ply") return read_ply;
   if (extension == ".off") return read_off;
+  if (extension == ".vtp") return read_vtp;
+  if (extension == ".vtk") return read_vtk;
   return nullptr;
 }
 
@@ -100,7 +103,7 @@ Reader known_reader_for(const std::filesystem::path& path) {
   if (read != nullptr) return read;
   const std::string extension = path.extension().string();
   throw Error(ErrorKind::input,
-              fmt::format("{}: unknown mesh format {}: known are .stl, .obj, .ply, .off{}", path.string(),
+              fmt::format("{}: unknown mesh format {}: known are .stl, .obj, .ply, .off, .vtp, .vtk{}", path.string(),
                           in_quotes(extension), lower_case(extension) == ".json" ? "; a model goes elsewhere" : ""));
 }
 

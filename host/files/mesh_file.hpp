@@ -19,6 +19,8 @@ namespace verisq {
 [[nodiscard]] Mesh read_obj(InputFile& file);
 [[nodiscard]] Mesh read_ply(InputFile& file);
 [[nodiscard]] Mesh read_off(InputFile& file);
+[[nodiscard]] Mesh read_vtp(InputFile& file);
+[[nodiscard]] Mesh read_vtk(InputFile& file);
 
 /// One label a vertex.
 struct LabelledMesh {
@@ -45,8 +47,9 @@ class MeshBuilder {
   /// Fails when an index would not fit into 32 bits. Precondition: finite coordinates.
   std::uint32_t add_vertex(const Point& vertex);
 
-  /// `index` (from 0) as an index of the vertices so far; fails when it is out of range.
-  [[nodiscard]] std::uint32_t checked_index(std::int64_t index) const;
+  /// `index` (from 0) as an index of the vertices so far, counted from `first` on; fails when it is out of range.
+  /// Precondition: not more than all vertices are before the first.
+  [[nodiscard]] std::uint32_t checked_index(std::int64_t index, std::size_t first = 0) const;
 
   /// Fails for fewer than three corners.
   void check_corner_count(std::int64_t count) const;

@@ -22,16 +22,11 @@ namespace verisq {
 
 enum class PlyEncoding { ascii, little_endian, big_endian };
 
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-[[nodiscard]] std::size_t bytes_of(PlyType type);
-[[nodiscard]] bool is_integer(PlyType type);
-
 struct PlyProperty {
-  std::string name;                   ///< any bytes but blanks
-  std::string shown;                  ///< the name as messages show it
-  PlyType type;                       ///< type of the value, or of a list's entries
-  std::optional<PlyType> count_type;  ///< type of a list's length; nothing for a single value
+  std::string name;                      ///< any bytes but blanks
+  std::string shown;                     ///< the name as messages show it
+  NumberType type;                       ///< type of the value, or of a list's entries
+  std::optional<NumberType> count_type;  ///< type of a list's length; nothing for a single value
 };
 
 struct PlyElement {
@@ -56,29 +51,29 @@ namespace {
 
 struct TypeName {
   std::string_view name;
-  PlyType type;
+  NumberType type;
 };
 
 constexpr std::array<TypeName, 16> type_names{{
-    {"char", PlyType::int8},
-    {"int8", PlyType::int8},
-    {"uchar", PlyType::uint8},
-    {"uint8", PlyType::uint8},
-    {"short", PlyType::int16},
-    {"int16", PlyType::int16},
-    {"ushort", PlyType::uint16},
-    {"uint16", PlyType::uint16},
-    {"int", PlyType::int32},
-    {"int32", PlyType::int32},
-    {"uint", PlyType::uint32},
-    {"uint32", PlyType::uint32},
-    {"float", PlyType::float32},
-    {"float32", PlyType::float32},
-    {"double", PlyType::float64},
-    {"float64", PlyType::float64},
+    {"char", NumberType::int8},
+    {"int8", NumberType::int8},
+    {"uchar", NumberType::uint8},
+    {"uint8", NumberType::uint8},
+    {"short", NumberType::int16},
+    {"int16", NumberType::int16},
+    {"ushort", NumberType::uint16},
+    {"uint16", NumberType::uint16},
+    {"int", NumberType::int32},
+    {"int32", NumberType::int32},
+    {"uint", NumberType::uint32},
+    {"uint32", NumberType::uint32},
+    {"float", NumberType::float32},
+    {"float32", NumberType::float32},
+    {"double", NumberType::float64},
+    {"float64", NumberType::float64},
 }};
 
-PlyType parse_type(const InputFile& file, std::string_view word) {
+NumberType parse_type(const InputFile& file, std::string_view word) {
   for (const auto& [name, type] : type_names) {
     if (name == word) return type;
   }
@@ -145,24 +140,6 @@ void check_elements(const InputFile& file, const PlyHeader& header) {
 
 }  // namespace
 
-std::size_t bytes_of(PlyType type) {
-  switch (type) {
-    case PlyType::int8:
-    case PlyType::uint8: return 1;
-    case PlyType::int16:
-    case PlyType::uint16: return 2;
-    case PlyType::int32:
-    case PlyType::uint32:
-    case PlyType::float32: return 4;
-    case PlyType::float64: break;
-  }
-  return 8;
-}
-
-bool is_integer(PlyType type) {
-  return type != PlyType::float32 && type != PlyType::float64;
-}
-
 std::optional<std::size_t> PlyElement::find(std::string_view property) const {
   const auto found = positions.find(property);
   if (found == positions.end()) return std::nullopt;
@@ -204,9 +181,9 @@ class AsciiRows {
     if (!line) file_.fail(fmt::format("truncated: the file ends inside element {}", in_quotes(element.name)));
     words_ = Words(*line);
   }
-  double finite(PlyType /*any*/, std::string_view name) { return finite_number(file_, words_.next(), name); }
-  std::int64_t whole(PlyType /*any*/, std::string_view name) { return integer(file_, words_.next(), name); }
-  void skip(PlyType /*any*/, std::string_view name) {
+  double finite(NumberType /*any*/, std::string_view name) { return finite_number(file_, words_.next(), name); }
+  std::int64_t whole(NumberType /*any*/, std::string_view name) { return integer(file_, words_.next(), name); }
+  void skip(NumberType /*any*/, std::string_view name) {
     if (words_.next().empty()) file_.fail(fmt::format("{} is missing", name));
   }
   void end_row() {
@@ -217,7 +194,7 @@ class AsciiRows {
       file_.fail(fmt::format("unexpected {} after the last element", in_quotes(trimmed(*line))));
     }
   }
-  [[nodiscard]] static std::size_t smallest(PlyType /*any*/) { return 2; }  // a digit, a blank
+  [[nodiscard]] static std::size_t smallest(NumberType /*any*/) { return 2; }  // a digit, a blank
 
  private:
   InputFile& file_;
@@ -230,37 +207,25 @@ class BinaryRows {
   BinaryRows(InputFile& file, std::endian order) : file_(file), order_(order) {}
 
   void begin_row(const PlyElement& /*any*/) {}
-  double finite(PlyType type, std::string_view name) {
+  double finite(NumberType type, std::string_view name) {
     const auto value = next<double>(type, name);
     if (!std::isfinite(value)) file_.fail(fmt::format("{} = {}: not a finite number", name, value));
     return value;
   }
-  std::int64_t whole(PlyType type, std::string_view name) { return next<std::int64_t>(type, name); }
-  void skip(PlyType type, std::string_view name) { (void)file_.take(bytes_of(type), name); }
+  std::int64_t whole(NumberType type, std::string_view name) { return next<std::int64_t>(type, name); }
+  void skip(NumberType type, std::string_view name) { (void)file_.take(size_of(type), name); }
   void end_row() {}
   void end_file() {
     if (!file_.is_at_end()) {
       file_.fail_whole(fmt::format("byte {}: {} bytes after the last element", file_.position(), file_.remaining()));
     }
   }
-  [[nodiscard]] static std::size_t smallest(PlyType type) { return bytes_of(type); }
+  [[nodiscard]] static std::size_t smallest(NumberType type) { return size_of(type); }
 
  private:
-  /// Exact for double from every type and for std::int64_t from every integer type; only these are requested.
   template <class Number>
-  Number next(PlyType type, std::string_view name) {
-    const char* bytes = file_.take(bytes_of(type), name).data();
-    switch (type) {
-      case PlyType::int8: return static_cast<Number>(number_from<std::int8_t>(bytes, order_));
-      case PlyType::uint8: return static_cast<Number>(number_from<std::uint8_t>(bytes, order_));
-      case PlyType::int16: return static_cast<Number>(number_from<std::int16_t>(bytes, order_));
-      case PlyType::uint16: return static_cast<Number>(number_from<std::uint16_t>(bytes, order_));
-      case PlyType::int32: return static_cast<Number>(number_from<std::int32_t>(bytes, order_));
-      case PlyType::uint32: return static_cast<Number>(number_from<std::uint32_t>(bytes, order_));
-      case PlyType::float32: return static_cast<Number>(number_from<float>(bytes, order_));
-      case PlyType::float64: break;
-    }
-    return static_cast<Number>(number_from<double>(bytes, order_));
+  Number next(NumberType type, std::string_view name) {
+    return converted_from<Number>(file_.take(size_of(type), name).data(), type, order_);
   }
 
   InputFile& file_;

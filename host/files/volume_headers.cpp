@@ -61,18 +61,18 @@ class NiftiHeader {
   std::endian order_ = std::endian::native;
 };
 
-VoxelType nifti_voxel_type(const InputFile& file, const NiftiHeader& header) {
+NumberType nifti_voxel_type(const InputFile& file, const NiftiHeader& header) {
   switch (const auto code = header.number<std::int16_t>(70)) {
-    case 2: return VoxelType::uint8;
-    case 4: return VoxelType::int16;
-    case 8: return VoxelType::int32;
-    case 16: return VoxelType::float32;
-    case 64: return VoxelType::float64;
-    case 256: return VoxelType::int8;
-    case 512: return VoxelType::uint16;
-    case 768: return VoxelType::uint32;
-    case 1024: return VoxelType::int64;
-    case 1280: return VoxelType::uint64;
+    case 2: return NumberType::uint8;
+    case 4: return NumberType::int16;
+    case 8: return NumberType::int32;
+    case 16: return NumberType::float32;
+    case 64: return NumberType::float64;
+    case 256: return NumberType::int8;
+    case 512: return NumberType::uint16;
+    case 768: return NumberType::uint32;
+    case 1024: return NumberType::int64;
+    case 1280: return NumberType::uint64;
     default: file.fail_whole(fmt::format("datatype = {}: not supported, integers and floats are", code));
   }
 }
@@ -190,7 +190,7 @@ LabelVolume read_nifti(InputFile& file) {
   const NiftiHeader header(file, stream);
   if (!header.has_text(344, std::string_view("n+1\0", 4)))
     file.fail_whole("is no NIfTI-1 file of header and voxels in one: it has no \"n+1\" at byte 344");
-  const VoxelType type = nifti_voxel_type(file, header);
+  const NumberType type = nifti_voxel_type(file, header);
   const std::array<std::int64_t, 3> counts = nifti_counts(file, header);
   const std::size_t count = voxel_count(file, stream, counts, type);
   check_scale(file, header);
@@ -210,7 +210,7 @@ LabelVolume read_nifti(InputFile& file) {
 namespace {
 
 struct NrrdHeader {
-  std::optional<VoxelType> type;
+  std::optional<NumberType> type;
   bool has_dimension = false;
   std::optional<std::array<std::int64_t, 3>> sizes;
   std::optional<ByteStream::Packing> packing;
@@ -222,9 +222,9 @@ struct NrrdHeader {
   std::array<Point, 3> steps{Point{1.0, 0.0, 0.0}, Point{0.0, 1.0, 0.0}, Point{0.0, 0.0, 1.0}};
 };
 
-VoxelType nrrd_voxel_type(const InputFile& file, std::string_view text) {
-  using enum VoxelType;
-  constexpr std::array<std::pair<std::string_view, VoxelType>, 42> names{{
+NumberType nrrd_voxel_type(const InputFile& file, std::string_view text) {
+  using enum NumberType;
+  constexpr std::array<std::pair<std::string_view, NumberType>, 42> names{{
       {"signed char", int8},
       {"int8", int8},
       {"int8_t", int8},
@@ -268,7 +268,7 @@ VoxelType nrrd_voxel_type(const InputFile& file, std::string_view text) {
       {"float32", float32},
       {"float64", float64},
   }};
-  const auto found = std::ranges::find(names, text, &std::pair<std::string_view, VoxelType>::first);
+  const auto found = std::ranges::find(names, text, &std::pair<std::string_view, NumberType>::first);
   if (found == names.end()) file.fail(fmt::format("type {}: not supported, integers and floats are", in_quotes(text)));
   return found->second;
 }
@@ -440,7 +440,7 @@ Point in_lps(const Point& x, const NrrdHeader& header) {
 LabelVolume read_nrrd(InputFile& file) {
   const NrrdHeader header = read_nrrd_header(file);
   if (!header.has_dimension) file.fail_whole("its header has no dimension");
-  const VoxelType type = required(file, header.type, "type");
+  const NumberType type = required(file, header.type, "type");
   const std::array<std::int64_t, 3> sizes = required(file, header.sizes, "sizes");
   const std::endian order = size_of(type) == 1 ? std::endian::native : required(file, header.order, "endian");
   ByteStream stream(file, required(file, header.packing, "encoding"));

@@ -22,6 +22,7 @@
 #include "host/files/input_file.hpp"
 #include "host/files/map_layout.hpp"
 #include "host/files/map_reader.hpp"
+#include "host/files/vtk_arrays.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {
@@ -360,13 +361,18 @@ class AppendedArrays {
   template <class Item>
   std::vector<Item> read(const DeclaredArray& array) {
     skip_to(array);
-    check_size(array, sizeof(Item));
+    const std::string what = fmt::format("array '{}'", array.name);
+    ArrayBytes bytes(file_, {.header = NumberType::uint64});
+    bytes.begin(array.tuples, sizeof(Item), what);
     std::vector<Item> items;
     items.reserve(array.tuples);  // the file holds that many
+    std::vector<char> block;
     while (items.size() < array.tuples) {
-      const std::size_t count = std::min<std::size_t>(array.tuples - items.size(), block_size / sizeof(Item));
-      const std::string_view bytes = file_.take(count * sizeof(Item), array.name);
-      for (std::size_t k = 0; k < count; ++k) items.push_back(item_from<Item>(bytes.data() + k * sizeof(Item)));
+      block.resize(sizeof(Item) * std::min<std::size_t>(array.tuples - items.size(), block_size / sizeof(Item)));
+      bytes.read(block, what);
+      for (std::size_t at = 0; at < block.size(); at += sizeof(Item)) {
+        items.push_back(item_from<Item>(block.data() + at));
+      }
     }
     return items;
   }
@@ -393,17 +399,6 @@ class AppendedArrays {
       const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(distance, block_size));
       (void)file_.take(step, array.name);
       distance -= step;
-    }
-  }
-
-  /// The number of bytes before the array must equal its declared number, and the file must contain them.
-  void check_size(const DeclaredArray& array, std::size_t item_size) {
-    const auto bytes = item_from<std::uint64_t>(file_.take(sizeof(std::uint64_t), array.name).data());
-    if (bytes % item_size != 0 || bytes / item_size != array.tuples) {
-      fail(array, fmt::format("{} bytes, expected {} times {}", bytes, array.tuples, item_size));
-    }
-    if (bytes > file_.remaining()) {
-      fail(array, fmt::format("truncated: {} bytes, the file has {} more", bytes, file_.remaining()));
     }
   }
 

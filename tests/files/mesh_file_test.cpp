@@ -71,13 +71,14 @@ TEST(MeshFile, RefusesWhatIsNoMeshFile) {
     expect_input_error([&] { (void)read_mesh(path); }, path, rest);
   };
   refused(folder / "none.stl", ": no such file");
-  refused(folder.file("m.3mf", "x"), ": unknown mesh format '.3mf': known are .stl, .obj, .ply, .off");
-  refused(folder.file("m", "x"), ": unknown mesh format '': known are .stl, .obj, .ply, .off");
+  refused(folder.file("m.3mf", "x"), ": unknown mesh format '.3mf': known are .stl, .obj, .ply, .off, .vtp, .vtk");
+  refused(folder.file("m", "x"), ": unknown mesh format '': known are .stl, .obj, .ply, .off, .vtp, .vtk");
   std::filesystem::create_directory(folder / "d.stl");
   refused(folder / "d.stl", ": is a directory, not a file");
   std::filesystem::create_directory(folder / "d");
   refused(folder / "d", ": is a directory, not a file");
-  for (const char* name : {"m.stl", "m.obj", "m.ply", "m.off"}) refused(folder.file(name, ""), ": the file is empty");
+  for (const char* name : {"m.stl", "m.obj", "m.ply", "m.off", "m.vtp", "m.vtk"})
+    refused(folder.file(name, ""), ": the file is empty");
 }
 
 TEST(MeshFile, ExtensionsInAnyCase) {
