@@ -162,6 +162,7 @@ class MeshSetProver {
       : tolerance_(options.tolerance),
         radius_(bounding_radius(model)),
         stop_(either(options.interrupted, options.out_of_time)),
+        by_box_(model, {}),
         distance_(std::make_unique<SignedDistance>(model)) {
     if (options.method != Method::duality)
       throw Error(ErrorKind::input, "the published method: not supported for meshes");
@@ -177,8 +178,11 @@ class MeshSetProver {
   [[nodiscard]] bool at_limit(const Point& /*point*/, const Enclosure& found) const {
     return verified(found, tightest_inside * radius_);
   }
+  /// A search that finds no point of the solid leaves an end infinite: the box of the model bounds it.
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
-    return {(*distance_)(point, tolerance_, stop_), {}};
+    return {verify::intersection((*distance_)(point, tolerance_, stop_), by_box_(point),
+                                 [&] { return "the distance at " + describe(point); }),
+            {}};
   }
   [[nodiscard]] CertifiedEnclosure coarse(const Point& point) const { return {(*coarse_)(point), {}}; }
   [[nodiscard]] static bool witnessed(const Point& /*point*/, double /*hi*/, const Certificate& /*none*/) {
@@ -189,6 +193,7 @@ class MeshSetProver {
   double tolerance_;
   double radius_;
   std::function<bool()> stop_;
+  verify::CoarseDistance by_box_;
   std::unique_ptr<SignedDistance> distance_;
   std::unique_ptr<verify::CoarseDistance> coarse_;  // where there is a time limit
 };
@@ -197,7 +202,9 @@ class MeshSetProver {
 
 std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options) {
   if (verify::is_union(model)) return std::make_unique<MeshMap>(model, options);
-  return std::make_unique<PreparedMap<Point, MeshSetProver>>(MeshSetProver(model, options), options, model,
+  MapOptions of_host = options;
+  if (options.device == "auto") of_host.device = "host";  // with a device that is named, the notice says why
+  return std::make_unique<PreparedMap<Point, MeshSetProver>>(MeshSetProver(model, options), of_host, model,
                                                              PreparedMap<Point, MeshSetProver>::MakeBatch(),
                                                              "the host maps meshes, no other device yet");
 }

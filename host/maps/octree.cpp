@@ -407,7 +407,7 @@ void check(const Model& model, const OctreeOptions& options) {
 
 struct OctreeBuilder::State {
   State(const Model& model, const OctreeOptions& given) : options(given), root(verify::octree_root(model)) {
-    if (options.device != "host") use_device(model);
+    if (options.device != "host" && !has_mesh(model)) use_device(model);
     if (!front) front = host_octree_front(model, root);
   }
 
