@@ -162,15 +162,13 @@ class MeshSetProver {
       : tolerance_(options.tolerance),
         radius_(bounding_radius(model)),
         stop_(either(options.interrupted, options.out_of_time)),
-        by_box_(model, {}),
         distance_(std::make_unique<SignedDistance>(model)) {
     if (options.method != Method::duality)
       throw Error(ErrorKind::input, "the published method: not supported for meshes");
     if (options.certificates)
       throw Error(ErrorKind::input, "certificates: not supported for set operations with meshes, but for their union");
     refuse_empty(model, *distance_, options.interrupted);
-    if (options.out_of_time)
-      coarse_ = std::make_unique<verify::CoarseDistance>(coarse_distance(model, *distance_, options.interrupted));
+    coarse_ = std::make_unique<verify::CoarseDistance>(coarse_distance(model, *distance_, options.interrupted));
   }
 
   void check(const Point& point) const { require_finite(std::span(&point, 1)); }
@@ -178,9 +176,9 @@ class MeshSetProver {
   [[nodiscard]] bool at_limit(const Point& /*point*/, const Enclosure& found) const {
     return verified(found, tightest_inside * radius_);
   }
-  /// A search that finds no point of the solid leaves an end infinite: the box of the model bounds it.
+  /// A search that finds no point of the solid leaves an end infinite: rough distances bound it.
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
-    return {verify::intersection((*distance_)(point, tolerance_, stop_), by_box_(point),
+    return {verify::intersection((*distance_)(point, tolerance_, stop_), (*coarse_)(point),
                                  [&] { return "the distance at " + describe(point); }),
             {}};
   }
@@ -193,9 +191,8 @@ class MeshSetProver {
   double tolerance_;
   double radius_;
   std::function<bool()> stop_;
-  verify::CoarseDistance by_box_;
   std::unique_ptr<SignedDistance> distance_;
-  std::unique_ptr<verify::CoarseDistance> coarse_;  // where there is a time limit
+  std::unique_ptr<verify::CoarseDistance> coarse_;
 };
 
 }  // namespace
