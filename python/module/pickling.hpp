@@ -235,7 +235,9 @@ inline constexpr std::size_t member_count<Pose> = 2;
 template <>
 inline constexpr std::size_t member_count<Bend> = 2;
 template <>
-inline constexpr std::size_t member_count<Primitive> = 4;
+inline constexpr std::size_t member_count<Mesh> = 2;
+template <>
+inline constexpr std::size_t member_count<Primitive> = 5;
 template <>
 inline constexpr std::size_t member_count<SetExpression> = 3;
 template <>
