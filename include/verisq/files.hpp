@@ -39,7 +39,8 @@ void write_model(const std::filesystem::path& path, const Model& model);
 /// With named points (key `landmarks`), which `read_model_landmarks` gives, bit for bit. A head's radius is none.
 void write_model(const std::filesystem::path& path, const Model& model, const FemurLandmarks& landmarks);
 
-// Reads and writes meshes: STL (binary, ASCII), OBJ, PLY (ASCII, binary of both byte orders), OFF.
+// Reads and writes meshes: STL (binary, ASCII), OBJ, PLY (ASCII, binary of both byte orders), OFF. Reads those of VTK,
+// too: PolyData in XML (`.vtp`) and in the legacy form (`.vtk`).
 
 /// The format follows the extension (any case). Coordinates: text to the nearest binary64, binary floats exactly.
 /// Equal STL corners are merged; polygons of other formats are split into triangles.
