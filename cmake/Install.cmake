@@ -82,7 +82,7 @@ function(verisq_install_pc name package_description package_requires component)
 endfunction()
 set(same "= ${PROJECT_VERSION}")
 verisq_install_pc(verisq-core "${PROJECT_DESCRIPTION}: models, distances, maps" "" development
-                  OWN ${core_libraries} REQUIRES mpfr fmt LIBS -lgmp -ldl -pthread -lstdc++ -lm)
+                  OWN ${core_libraries} REQUIRES mpfr fmt zlib LIBS -lgmp -ldl -pthread -lstdc++ -lm)
 verisq_install_pc(verisq-files "${PROJECT_DESCRIPTION}: files in XML, volumes" "verisq-core ${same}" development
                   OWN verisq_files verisq_map_readers REQUIRES pugixml zlib)
 verisq_install_pc(verisq-plan "${PROJECT_DESCRIPTION}: fits, insertions, features" "verisq-core ${same}" development

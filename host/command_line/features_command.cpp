@@ -413,7 +413,7 @@ void detect_landmarks(const Surface& surface, FeaturesReport& report) {
 
 void declare_features(Options& options, FeaturesArguments& arguments) {
   options.explain(closing_words);
-  options.add("--mesh", arguments.mesh, "FILE", "A whole or a proximal femur, in mm: .stl .obj .ply .off");
+  options.add("--mesh", arguments.mesh, "FILE", "A whole or a proximal femur, in mm: .stl .obj .ply .off .vtp .vtk");
   options.add("--model", arguments.model, "FILE", "A model of a femur, in mm, instead: its surface is meshed");
   options.add("--deviation", arguments.deviation, parse_positive_length, "MM",
               "How closely --model is meshed, by estimate (default 0.3)");

@@ -442,7 +442,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
       "--implant", arguments.implants, "FILE",
       "Model of posed superquadrics, tapered or not (verisq-model/1, JSON); repeat it for a series to choose "
       "from");
-  options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
+  options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off .vtp .vtk; its vertices are fitted");
   options.add_each(
       "--instrument", arguments.instruments, parse_name, "FILE",
       "The rasp of an implant, or what else prepares its bed, as a model in the implant's frame: one for "

@@ -51,7 +51,7 @@ void declare_inputs(Options& options, InsertionInputs& inputs) {
   require_model(options, "--implant", inputs.implant);
   add_pose(options, inputs.pose);
   options.require("--mesh", inputs.mesh, "FILE",
-                  "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
+                  "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off .vtp .vtk");
   options.add("--poses", inputs.poses, "FILE", "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line");
   options.add("--along", inputs.along, parse_direction, "x,y,z",
               "Instead of --poses: the direction of a straight way in");

@@ -387,7 +387,7 @@ void declare_meshes(py::module_& module) {
             return PythonMesh{read_mesh(path)};
           },
           py::arg("path"),
-          "load(path) -> Mesh\n\nReads STL, OBJ, PLY or OFF, by the extension. Equal corners of an STL are merged,\n"
+          "load(path) -> Mesh\n\nReads STL, OBJ, PLY, OFF or VTK (.vtp, .vtk), by the extension. Equal corners of an STL are merged,\n"
           "polygons of others split into triangles. Raises Error with file and line or byte for what is damaged.")
       .def(
           "save",

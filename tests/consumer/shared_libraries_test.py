@@ -15,7 +15,7 @@ import unittest
 ORDER = ["proposals", "proof", "verify", "readers", "writers", "core", "map_readers", "files", "plan", "report", "stance"]
 CORE = ORDER[:6]
 SYSTEM = {
-    "proposals": [], "proof": ["fmt"], "verify": ["fmt"], "readers": ["fmt"], "writers": ["fmt"], "core": ["fmt", "dl"],
+    "proposals": [], "proof": ["fmt"], "verify": ["fmt"], "readers": ["fmt", "z"], "writers": ["fmt"], "core": ["fmt", "dl"],
     "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "plan": ["fmt", "nlopt", "dl"],
     "report": ["fmt", "cairo"], "stance": ["fmt"],
 }

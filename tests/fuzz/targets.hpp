@@ -16,6 +16,8 @@ void stl(Bytes bytes);
 void obj(Bytes bytes);
 void ply(Bytes bytes);
 void off(Bytes bytes);
+void vtp(Bytes bytes);
+void vtk(Bytes bytes);
 void model(Bytes bytes);
 void points(Bytes bytes);
 void points_npy(Bytes bytes);
@@ -38,6 +40,8 @@ inline constexpr std::array targets{
     Target{"obj", obj},
     Target{"ply", ply},
     Target{"off", off},
+    Target{"vtp", vtp},
+    Target{"vtk", vtk},
     Target{"model", model},
     Target{"points", points},
     Target{"poses", poses},
