@@ -221,7 +221,8 @@ std::string readable(const DistanceReport& report) {
                         text_of(on_a), text_of(on_b), report.distance.hi, units);
   }
   if (report.uncertain) text += "closest points     not enclosed, because the models are uncertain\n";
-  if (report.searched) text += "closest points     not enclosed, because a model is bent, a mesh, or built by set operations\n";
+  if (report.searched)
+    text += "closest points     not enclosed, because a model is bent, a mesh, or built by set operations\n";
   if (report.certified) text += fmt::format("certified          {}{}\n", text_of(*report.certified), units);
   return report.certificate ? text + readable(*report.certificate) : text;
 }

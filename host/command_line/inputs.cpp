@@ -140,7 +140,8 @@ void declare_inputs(Options& options, InputArguments& inputs) {
 
 void declare_points(Options& options, InputArguments& inputs) {
   add_pose(options, inputs.pose);
-  options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off .vtp .vtk");
+  options.add("--mesh", inputs.mesh, "FILE",
+              "Mesh whose vertices or triangles are meant: .stl .obj .ply .off .vtp .vtk");
   options.add("--points", inputs.points, "FILE",
               "Points instead of a mesh: text with x,y,z a line, .npy of shape (N, 3), or - for the\nstandard input");
 }

@@ -428,7 +428,8 @@ double parse_share(std::string_view option, const std::string& text) {
 void declare_recover(Options& options, RecoverArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
-              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .obj, .ply, .off, .vtp, .vtk), whose vertices count");
+              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .obj, .ply, .off, .vtp, .vtk), whose "
+              "vertices count");
   options.add("--mesh", arguments.mesh, "FILE", "Instead of --points: a mesh, whose surface counts by its area");
   options.require("-o,--output", arguments.output, "FILE", "The model: .json");
   options.add(

@@ -456,7 +456,8 @@ void explain(const SurfaceCheck& check, const SurfaceOptions& options, const std
 void declare_surface(Options& options, SurfaceArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
-              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .obj, .ply, .off, .vtp, .vtk), whose vertices count");
+              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .obj, .ply, .off, .vtp, .vtk), whose "
+              "vertices count");
   options.add("--mesh", arguments.mesh, "FILE", "Instead of --points: a mesh, whose triangles count");
   options.add("--volume", arguments.volume, "FILE",
               "Instead of --points: labels of voxels, .nrrd (3D Slicer) or .nii, .nii.gz (NIfTI)");

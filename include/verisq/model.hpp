@@ -113,7 +113,7 @@ struct UncertainPrimitive {
   std::array<Enclosure, 3> translation;
   std::array<double, 4> quaternion;
   std::optional<Bend> bend = {};
-  double taper = 1.0;  ///< where it is not 1, all numbers of the model must be exact
+  double taper = 1.0;                     ///< where it is not 1, all numbers of the model must be exact
   std::shared_ptr<const Mesh> mesh = {};  ///< as Primitive::mesh; then all numbers of the model must be exact
 };
 

@@ -59,8 +59,8 @@ using OctreeSink = std::function<void(std::span<const OctreeCube>)>;
 class OctreeBuilder {
  public:
   /// Throws Error(input) for options out of range, for a device that is not there or failed its self-test, for a model
-  /// whose size overflows or is lost in the rounding of its position, for a mesh that is not closed, and for meshes on a
-  /// named device: they are the host's.
+  /// whose size overflows or is lost in the rounding of its position, for a mesh that is not closed, and for meshes on
+  /// a named device: they are the host's.
   OctreeBuilder(const Model& model, const OctreeOptions& options);
   ~OctreeBuilder();
   OctreeBuilder(OctreeBuilder&&) noexcept;

@@ -272,13 +272,14 @@ void declare_models(py::module_& module) {
       .def_static("from_dict", from_dictionary, py::arg("description"),
                   "from_dict(description) -> Model\n\nThe same from the dictionary that the JSON would be; arrays may\n"
                   "stand for lists. Every number is taken as its binary64.")
-      .def_static("from_mesh", from_mesh, py::arg("mesh"), py::kw_only(), py::arg("name") = "mesh",
-                  py::arg("units") = "", py::arg("pose") = py::none(),
-                  "from_mesh(mesh, *, name=\"mesh\", units=\"\", pose=None) -> Model\n\n"
-                  "The model of one solid: every point about which the triangles of a closed Mesh wind. pose: seven\n"
-                  "numbers, translation in model units and quaternion [w, x, y, z]. Model.load takes mesh files, too.\n"
-                  "Raises Error, with the number of open edges, for a mesh that is not closed. docs/formats.md §2 says\n"
-                  "which functions take meshes so far.")
+      .def_static(
+          "from_mesh", from_mesh, py::arg("mesh"), py::kw_only(), py::arg("name") = "mesh", py::arg("units") = "",
+          py::arg("pose") = py::none(),
+          "from_mesh(mesh, *, name=\"mesh\", units=\"\", pose=None) -> Model\n\n"
+          "The model of one solid: every point about which the triangles of a closed Mesh wind. pose: seven\n"
+          "numbers, translation in model units and quaternion [w, x, y, z]. Model.load takes mesh files, too.\n"
+          "Raises Error, with the number of open edges, for a mesh that is not closed. docs/formats.md §2 says\n"
+          "which functions take meshes so far.")
       .def(
           "to_dict", [](const PythonModel& self) { return dictionary(self); },
           "to_dict() -> dict\n\nWhat from_dict makes the same model of, bit for bit.")
@@ -387,7 +388,8 @@ void declare_meshes(py::module_& module) {
             return PythonMesh{read_mesh(path)};
           },
           py::arg("path"),
-          "load(path) -> Mesh\n\nReads STL, OBJ, PLY, OFF or VTK (.vtp, .vtk), by the extension. Equal corners of an STL are merged,\n"
+          "load(path) -> Mesh\n\nReads STL, OBJ, PLY, OFF or VTK (.vtp, .vtk), by the extension. Equal corners of an "
+          "STL are merged,\n"
           "polygons of others split into triangles. Raises Error with file and line or byte for what is damaged.")
       .def(
           "save",

@@ -170,16 +170,21 @@ TEST(ModelFile, RefusesMeshesThatAreNoSolids) {
     }
     return "";
   };
-  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 1], [0, 1, 3], [0, 3, 2]]")), ::testing::HasSubstr("3 of its edges are open"));
+  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 1], [0, 1, 3], [0, 3, 2]]")),
+              ::testing::HasSubstr("3 of its edges are open"));
   EXPECT_THAT(refusal(meshed(four_vertices, "[]")), ::testing::HasSubstr("no triangles"));
-  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 4]]")), ::testing::HasSubstr("triangles[0][2] = 4: must be the index"));
+  EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, 4]]")),
+              ::testing::HasSubstr("triangles[0][2] = 4: must be the index"));
   EXPECT_THAT(refusal(meshed(four_vertices, "[[0, 2, -1]]")), ::testing::HasSubstr("= -1: must be the index"));
-  EXPECT_THAT(refusal(meshed(four_vertices, four_triangles, R"(, "scale": 0)")), ::testing::HasSubstr("scale = 0: must be"));
+  EXPECT_THAT(refusal(meshed(four_vertices, four_triangles, R"(, "scale": 0)")),
+              ::testing::HasSubstr("scale = 0: must be"));
   EXPECT_THAT(refusal(meshed(four_vertices, four_triangles, R"(, "file": "a.stl")")), ::testing::HasSubstr("vertices"));
   EXPECT_THAT(refusal(model_of(R"({"name": "a", "mesh": {"file": "none.stl"}})")), ::testing::HasSubstr("none.stl"));
-  const std::string solid = R"({"vertices": )" + std::string(four_vertices) + R"(, "triangles": )" + four_triangles + "}";
-  EXPECT_THAT(refusal(model_of(R"({"name": "a", "mesh": )" + solid + R"(, "bend": {"curvature": 0.1, "angle_deg": 0}})")),
-              ::testing::HasSubstr("a mesh has no bend"));
+  const std::string solid =
+      R"({"vertices": )" + std::string(four_vertices) + R"(, "triangles": )" + four_triangles + "}";
+  EXPECT_THAT(
+      refusal(model_of(R"({"name": "a", "mesh": )" + solid + R"(, "bend": {"curvature": 0.1, "angle_deg": 0}})")),
+      ::testing::HasSubstr("a mesh has no bend"));
 }
 
 TEST(ModelFile, ReadsTheBentStem) {
