@@ -186,6 +186,20 @@ TEST(MeshPairDistance, LeavesHollowsFree) {
   EXPECT_LT(found.distance.hi, 0.76);
 }
 
+TEST(MeshPairDistance, JoinsAllPrimitivesOfBothModels) {
+  const Primitive ball{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {.translation = {0.0, 5.0, 0.0}}};
+  const Model a{"", {mesh_primitive("mesh", sphere_mesh(2)), ball}};
+  const SearchedDistance found = MeshPairDistance(a, a).searched({.translation = {3.0, -5.5, 0.0}}, {.tolerance = 0.0});
+  const double nearest = std::hypot(3.0, 0.5) - 2.0;  // of the ball of the one to the mesh of the other
+  EXPECT_LE(found.distance.lo, nearest + 0.1);
+  EXPECT_GE(found.distance.hi, nearest);
+  const SearchedDistance of_balls =
+      MeshPairDistance({"", {mesh_primitive("far", sphere_mesh(0), {.translation = {0.0, -50.0, 0.0}}), ball}}, a)
+          .searched({.translation = {2.5, 0.25, 0.0}}, {.tolerance = 1e-6});
+  EXPECT_NEAR(of_balls.distance.lo, std::hypot(2.5, 0.25) - 2.0, 1e-6);
+  EXPECT_NEAR(of_balls.distance.hi, std::hypot(2.5, 0.25) - 2.0, 1e-6);
+}
+
 TEST(MeshPairDistance, AnswersForSuperquadrics) {
   const Model mesh{"", {mesh_primitive("ball", sphere_mesh(3))}};
   const Model box{"", {{"box", {{1.0, 2.0, 3.0}, {0.1, 0.1}}, {}}}};

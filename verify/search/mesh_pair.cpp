@@ -530,7 +530,7 @@ struct MeshPairDistance::State {
 
   Operand a;
   Operand b;
-  std::optional<PairDistance> between_others;
+  std::optional<ModelSearch> between_others;
 };
 
 MeshPairDistance::MeshPairDistance(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
@@ -554,7 +554,9 @@ MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool
     for (const Solid& b : s.b.solids) join(MeshAndSuperquadrics(b, s.a, b_to_a.after(b.motion)));
   }
   if (s.between_others) {
-    join([&](const std::function<bool()>& ended) { return MeshPair{(*s.between_others)(pose, ended).distance}; });
+    join([&](const std::function<bool()>& ended) {
+      return MeshPair{(*s.between_others)(pose, {.tolerance = 0.0, .interrupted = ended}).distance};
+    });
   }
   return found;
 }
