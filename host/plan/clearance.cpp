@@ -33,6 +33,7 @@ namespace verisq {
 
 Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
                               double penetration_limit, const MapOptions& options, const Sink<Point>& sink) {
+  verify::require_valid(posed);
   ClearanceSum sum(cavity.areas, cavity.area_of, fitness, penetration_limit);
   std::span<const Point> rest = cavity.points;
   const Source<Point> source = [&rest](std::span<Point> chunk) {

@@ -48,6 +48,7 @@ OctreeSummary grown(const Model& model, int depth, const std::string& device = "
   return OctreeBuilder(model, options).build();
 }
 
+/// Of a tetrahedron more is surface than of a ball: its share is larger.
 void expect_holds(const OctreeSummary& summary, const Enclosure& volume, double share) {
   EXPECT_LE(summary.volume.lo, volume.lo);
   EXPECT_GE(summary.volume.hi, volume.hi);
@@ -58,9 +59,10 @@ TEST(MeshOctree, HoldsTheExactVolume) {
   const Pose pose{{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}};
   for (const Mesh& mesh : {tetrahedron(), sphere_mesh(3), torus_mesh(1.0, 0.4, 24, 12)}) {
     const Enclosure volume = exact_volume(mesh);
+    const double share = mesh.triangles.size() == 4 ? 0.75 : 0.5;
     for (const Mesh& solid : {mesh, turned(mesh)}) {
-      expect_holds(grown({"", {mesh_primitive("mesh", solid)}}, 6), volume, 0.5);
-      expect_holds(grown({"", {mesh_primitive("mesh", solid, pose)}}, 6), volume, 0.5);
+      expect_holds(grown({"", {mesh_primitive("mesh", solid)}}, 6), volume, share);
+      expect_holds(grown({"", {mesh_primitive("mesh", solid, pose)}}, 6), volume, share);
     }
   }
 }
