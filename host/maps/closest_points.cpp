@@ -62,6 +62,7 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
   }
   const SeenInterruption seen(options.interrupted);
   const std::function<bool()> interrupted = [&seen] { return seen(); };
+  static_cast<void>(interrupted());  // before other threads, which only see what this one was told, begin
   const std::size_t done = in_parallel_until(seen, points.size(), [&](std::size_t k) {
     const Point x = points[k];
     refuse_if_not_finite(x, k);

@@ -65,7 +65,7 @@ class MeshAsTheSolid(unittest.TestCase):
         checker = verisq.Checker(self.cube)
         self.assertTrue(checker.points(points, found.lo, found.hi, found.certificates).all_proved)
         shifted = checker.points(points, found.lo + 1e-6, found.hi + 1e-6, found.certificates)
-        self.assertFalse((shifted.verdict == verisq.Verdict.proved).any())
+        self.assertFalse((shifted.verdict == verisq.Verdict.PROVED).any())
 
     def test_closest_points_and_normals_are_proven(self):
         found = verisq.closest_points(self.cube, [[3.0, 0.25, 0.5], [0.0, 0.0, 0.0]])
@@ -109,7 +109,8 @@ class MeshAsTheSolid(unittest.TestCase):
                        ["--certificates", "--report", self.file.parent / "page.html"]):
             with self.subTest(option):
                 self.assertIn("mesh", message(*given, *option))
-        self.assertIn("mesh", message("path", self.file, self.file, "--poses", EXAMPLES / "path.csv"))
+        self.assertIn("mesh", message("insert", "--implant", self.file, "--mesh", EXAMPLES / "cavity.off", "--along",
+                                      "0,0,1", "--length", "1", "-o", self.file.parent / "way.csv"))
 
 
 class SameAsCommandLine(unittest.TestCase):
