@@ -196,7 +196,7 @@ TEST_F(DistanceCommand, SearchesBentModels) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, HasSubstr("separated (proven: no common point)\nnear point of A    ("));
-  EXPECT_THAT(outcome.out, HasSubstr("not enclosed, because a model is bent or built by set operations\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("not enclosed, because a model is bent, a mesh, or built by set operations\n"));
   const auto object = nlohmann::json::parse(distance({a, b, "--json", "--tol", "1e-8"}).out);
   EXPECT_LE(object["lo"].get<double>(), 3.0);
   EXPECT_GE(object["hi"].get<double>(), 3.0);
