@@ -204,7 +204,7 @@ std::vector<std::pair<const char*, std::function<void(const Model&)>>> entries()
       {"implant_size", [=](const Model& m) { used(implant_size(m)); }},
       {"turning_centre", [=](const Model& m) { used(turning_centre(m)); }},
       {"negligible_volume", [=](const Model& m) { used(negligible_volume(m)); }},
-      {[=](const Model& m) { used(covering_primitives(m)); }},
+      {"covering_primitives", [=](const Model& m) { used(covering_primitives(m)); }},
       {"write_model", [=](const Model& m) { write_model(folder.path() / "m.json", m); }},
   };
 }
