@@ -27,8 +27,9 @@ void check_primitive(const UncertainPrimitive& primitive) {
   if (mesh) {
     check(!mesh->triangles.empty(), "a mesh has triangles");
     check(!bend && taper == 1.0, "a mesh is neither bent nor tapered");
-    for (const auto& triangle : mesh->triangles)
-      check(std::ranges::all_of(triangle, [&](std::uint32_t k) { return k < mesh->vertices.size(); }), "corners exist");
+    const std::size_t count = mesh->vertices.size();
+    const auto exists = [count](std::uint32_t corner) { return corner < count; };
+    for (const auto& triangle : mesh->triangles) check(std::ranges::all_of(triangle, exists), "corners exist");
     return;
   }
   for (const Enclosure& number : semi_axes) check_interval(number);
