@@ -221,6 +221,12 @@ CheckReport check_map(const Checker& checker, MapReader& map, const CheckArgumen
 
 CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const Proven& proven) {
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
+  if (model.primitives.size() == 1 && model.primitives.front().mesh) {
+    tell(fmt::format(
+        "note: {}: inside, a row is minus the distance to the nearest triangle; that is the depth only if no "
+        "triangles cross",
+        quotation(arguments.inputs.model)));
+  }
   const Checker checker(model, arguments.point_radius);
   std::optional<double> radius;
   if (is_exact(model) && arguments.point_radius == 0.0) radius = radius_at_most(model);

@@ -130,7 +130,7 @@ bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   return arguments.certificates && arguments.point_radius == 0.0 && is_exact(model) && !single;
 }
 
-/// What a mesh cannot do so far.
+/// Refuses the options that meshes do not have so far.
 void refuse_what_meshes_lack(const Model& model, const MapArguments& arguments) {
   if (!has_mesh(model)) return;
   const auto refuse_option = [&](std::string_view option, std::string_view why) {

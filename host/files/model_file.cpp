@@ -220,7 +220,7 @@ Mesh read_mesh_of(const JsonValue& value, std::string_view model) {
   return mesh;
 }
 
-/// Of a closed mesh. Its fault is told at its place.
+/// A closed mesh as a primitive. Its fault is told at its place.
 Primitive solid_of(const JsonValue& value, std::string_view model, const std::string& name) {
   Mesh mesh = read_mesh_of(value, model);
   try {

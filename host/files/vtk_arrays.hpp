@@ -1,4 +1,4 @@
-/// What files of VTK are made of: text among bytes, arrays of numbers in every encoding, points and cells.
+/// The parts of VTK's files: text among bytes, arrays of numbers in every encoding, points and cells.
 #pragma once
 
 #include <array>
@@ -95,7 +95,7 @@ class Numbers {
  public:
   /// As text.
   explicit Numbers(InputFile& file) : file_(file) {}
-  /// Of this type, as bytes.
+  /// As bytes of this type.
   Numbers(InputFile& file, NumberType type, const Coding& coding)
       : file_(file), type_(type), order_(coding.order), bytes_(std::in_place, file, coding) {}
 

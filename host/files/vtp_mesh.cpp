@@ -38,7 +38,7 @@ struct Tag {
   }
 };
 
-/// Of the text between '<' and '>'.
+/// Reads the text between '<' and '>'.
 Tag tag_of(const InputFile& file, std::string_view text) {
   const auto pass = [&text](std::size_t count) { text.remove_prefix(std::min(count, text.size())); };
   Tag tag{.name = {}, .attributes = {}, .is_end = text.starts_with('/'), .is_whole = text.ends_with('/')};

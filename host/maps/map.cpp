@@ -286,16 +286,11 @@ class SolidTriangleProver {
 std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
   std::string unsuited = device::why_not_compiled(model);
   if (options.certificates) unsuited = "certificates of bent solids and set operations are the host's";
-  MapOptions chosen = options;
-  if (has_mesh(model)) {
-    unsuited = "the host maps meshes, no other device yet";
-    if (options.device == "auto") chosen.device = "host";
-  }
   const auto make_batch = [model, options](const device::Device& device) {
     const double tolerance = searched_tolerance(options, bounding_radius(model));
     return device::solid_triangle_batch(device, model, tolerance, either(options.interrupted, options.out_of_time));
   };
-  return std::make_unique<PreparedMap<Triangle, SolidTriangleProver>>(SolidTriangleProver(model, options), chosen,
+  return std::make_unique<PreparedMap<Triangle, SolidTriangleProver>>(SolidTriangleProver(model, options), options,
                                                                       model, make_batch, unsuited);
 }
 

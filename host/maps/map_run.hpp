@@ -321,7 +321,7 @@ struct ChosenDevice : device::Selection {
 /// is to be used. Throws like device::select_device.
 [[nodiscard]] inline ChosenDevice chosen_device(const MapOptions& options, const Model& primitives,
                                                 const std::string& unsuited) {
-  if (options.device == "host") return {};
+  if (options.device == "host" || (options.device == "auto" && has_mesh(primitives))) return {};
   const auto ended = either(options.interrupted, options.out_of_time);
   if (ended && ended()) return {};  // to make one ready may take seconds
   device::Selection selection = device::select_device(options.device, ended);

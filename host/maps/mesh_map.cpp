@@ -43,7 +43,7 @@ void require_finite(std::span<const Point> points) {
   }
 }
 
-/// What depths mean in a mesh whose triangles cross; empty where they are exact.
+/// Says how depths are meant in a mesh whose triangles cross; empty where they are exact.
 std::string note_of(const MeshUnion::Part& part, const Model& model) {
   const ClosedMesh::Facts& facts = part.mesh.mesh().facts();
   if (facts.depth_is_exact()) return "";
@@ -199,11 +199,8 @@ class MeshSetProver {
 
 std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options) {
   if (verify::is_union(model)) return std::make_unique<MeshMap>(model, options);
-  MapOptions of_host = options;
-  if (options.device == "auto") of_host.device = "host";  // with a device that is named, the notice says why
-  return std::make_unique<PreparedMap<Point, MeshSetProver>>(MeshSetProver(model, options), of_host, model,
-                                                             PreparedMap<Point, MeshSetProver>::MakeBatch(),
-                                                             "the host maps meshes, no other device yet");
+  return std::make_unique<PreparedMap<Point, MeshSetProver>>(MeshSetProver(model, options), options, model,
+                                                             PreparedMap<Point, MeshSetProver>::MakeBatch());
 }
 
 }  // namespace verisq

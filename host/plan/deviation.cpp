@@ -25,7 +25,6 @@
 #include "verify/search/model_distances.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verisq/deviation.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
@@ -156,28 +155,6 @@ Enclosure larger(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
 }
 
-/// The triangles of a primitive that is a mesh, in its place, to nearest.
-struct PlacedMesh {
-  Mesh mesh;
-  double displacement = 0.0;  ///< no point lies farther from the exact one
-};
-
-PlacedMesh placed(const Primitive& primitive) {
-  PlacedMesh result{*primitive.mesh};
-  if (verify::is_at_rest(primitive.pose)) return result;
-  const verify::RigidMotion motion(primitive.pose);
-  for (Point& vertex : result.mesh.vertices) {
-    const auto exact = verify::in_binary64(motion(verify::precise(vertex)));
-    verify::Interval square_of_width(0.0);
-    for (std::size_t i = 0; i < 3; ++i) {
-      vertex[i] = exact[i].lower();
-      square_of_width += square(verify::Interval(exact[i].upper()) - verify::Interval(exact[i].lower()));
-    }
-    result.displacement = std::max(result.displacement, sqrt(square_of_width).upper());
-  }
-  return result;
-}
-
 /// Distances to triangles, which may be open; each holds for all points within `displacement`, too.
 verify::SignedDistances distances_to(const verify::TriangleTree& triangles, double displacement) {
   return [&triangles, displacement](std::span<const Point> points, std::span<Enclosure> rows) {
@@ -193,7 +170,7 @@ verify::SignedDistances distances_to(const verify::TriangleTree& triangles, doub
 class SurfaceOfMesh {
  public:
   SurfaceOfMesh(const Primitive& primitive, const verify::TriangleTree& triangles, verify::DeviationSearch search)
-      : surface_(placed(primitive)), search_(std::move(search)), at_vertices_(surface_.mesh.vertices.size()) {
+      : surface_(verify::placed(primitive)), search_(std::move(search)), at_vertices_(surface_.mesh.vertices.size()) {
     search_.to_model = distances_to(triangles, surface_.displacement);
     search_.to_model(surface_.mesh.vertices, at_vertices_);
     of_mesh_.emplace(surface_.mesh, at_vertices_, search_);
@@ -204,7 +181,7 @@ class SurfaceOfMesh {
   [[nodiscard]] verify::MeshDistances found() const { return of_mesh_->found(); }
 
  private:
-  PlacedMesh surface_;
+  verify::PlacedMesh surface_;
   verify::DeviationSearch search_;
   std::vector<Enclosure> at_vertices_;
   std::optional<verify::MeshSearch> of_mesh_;
@@ -324,13 +301,14 @@ class DeviationRun {
       ended_early_ = ended_early_ || distances.ended;
     }
     if (triangles && options_.statistics_of_model) measure_statistics_of_model(*triangles, search);
+    if (surface_) take_surface();
   }
 
   void measure_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
     search.progress = [this](double done) { options_.progress("model to mesh", done); };
     if (model_.primitives.front().mesh) {
       surface_ = std::make_unique<SurfaceOfMesh>(model_.primitives.front(), triangles, std::move(search));
-      return take_surface();
+      return;
     }
     const verify::FarthestOfModel farthest = verify::farthest_of_model(model_, triangles, search);
     found_.from_model = {farthest.distance, farthest.where, {}, {}};
@@ -347,11 +325,7 @@ class DeviationRun {
   }
 
   void measure_statistics_of_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
-    if (surface_) {
-      found_.samples -= surface_->found().samples;
-      surface_->search_statistics(options_.percentiles);
-      return take_surface();
-    }
+    if (surface_) return surface_->search_statistics(options_.percentiles);
     search.progress = [this](double done) { options_.progress("model to mesh, mean", done); };
     const verify::ModelDistances distances =
         verify::distances_of_model(model_, triangles, options_.percentiles, found_.from_model->largest.hi, search);

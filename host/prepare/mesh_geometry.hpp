@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -51,6 +52,15 @@ struct Extent {
 [[nodiscard]] inline double determinant(const std::array<Point, 3>& axes) {
   const auto& [a, b, c] = axes;
   return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+// Two meshes as one.
+
+/// Appends the vertices and triangles of another mesh.
+inline void append(Mesh& mesh, const Mesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + first, b + first, c + first});
 }
 
 // The sign of the volume of a mesh, at every size.

@@ -21,9 +21,9 @@
 #include "host/prepare/solid.hpp"
 #include "host/prepare/tetrahedra_surface.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
-#include "verify/solids/rigid_motion.hpp"
 
 namespace verisq {
 namespace tessellation {
@@ -42,12 +42,6 @@ Mesh mesh_of(const Triangles& triangles) {
   for (const Eigen::Vector3d& vertex : triangles.vertices) mesh.vertices.push_back(point_of(vertex));
   mesh.triangles = triangles.triangles;
   return mesh;
-}
-
-void append(Mesh& mesh, const Mesh& other) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + first, b + first, c + first});
 }
 
 bool is_union_of_all(const Model& model) {
@@ -305,12 +299,7 @@ namespace {
 Mesh own_surface(const Model& model) {
   if (model.primitives.size() > 1 || model.csg)
     throw Error(ErrorKind::input, "a mesh among several primitives: so far superquadrics, or one mesh, have a surface");
-  Mesh mesh = *model.primitives.front().mesh;
-  const verify::RigidMotion motion(model.primitives.front().pose);
-  for (Point& vertex : mesh.vertices) {
-    const verify::Vector3<double> moved = verify::in_binary64(motion(verify::precise(vertex)));
-    vertex = {moved[0].lower(), moved[1].lower(), moved[2].lower()};
-  }
+  Mesh mesh = verify::placed(model.primitives.front()).mesh;
   if (volume_sign(mesh) < 0)
     for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
   return mesh;

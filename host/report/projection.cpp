@@ -17,7 +17,7 @@
 #include "host/prepare/mesh_geometry.hpp"
 #include "host/prepare/solid.hpp"
 #include "verify/numbers/points.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::report {
@@ -443,24 +443,6 @@ class SurfaceBuilder {
 
 }  // namespace
 
-namespace {
-
-/// Appends a primitive that is a mesh, in its place.
-void append(Mesh& surface, const Primitive& primitive) {
-  const verify::RigidMotion motion(primitive.pose);
-  const auto first = static_cast<std::uint32_t>(surface.vertices.size());
-  for (const Point& vertex : primitive.mesh->vertices) {
-    Point moved;
-    const auto exact = motion(verify::precise(vertex));
-    for (std::size_t i = 0; i < 3; ++i) moved[i] = verify::in_binary64(exact[i]).lower();
-    surface.vertices.push_back(moved);
-  }
-  for (const auto& [a, b, c] : primitive.mesh->triangles)
-    surface.triangles.push_back({first + a, first + b, first + c});
-}
-
-}  // namespace
-
 /// Meshes are drawn whole, whatever lies in other primitives.
 Mesh model_surface(const Model& model) {
   if (!has_mesh(model)) return SurfaceBuilder(model).build();
@@ -470,7 +452,7 @@ Mesh model_surface(const Model& model) {
   Mesh surface;
   if (!superquadrics.primitives.empty()) surface = SurfaceBuilder(superquadrics).build();
   for (const Primitive& primitive : model.primitives)
-    if (primitive.mesh) append(surface, primitive);
+    if (primitive.mesh) append(surface, verify::placed(primitive).mesh);
   return surface;
 }
 

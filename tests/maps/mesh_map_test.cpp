@@ -130,6 +130,22 @@ TEST(MeshMap, AsksAMeshWhereItsPosePlacesIt) {
   }
 }
 
+/// Turning so far a point overflows: nothing is said then, and nothing ends the map.
+TEST(MeshMap, AnswersForPointsAndPlacesAtTheEndOfAllNumbers) {
+  const std::vector<Point> points{{1e308, 1e308, -1e308}, {-1.7e308, 1.7e308, 0.0}, {4.0, 0.0, 0.0}, {1e300, 0.0, 0.0}};
+  for (const Point& place : {Point{}, Point{1.0, 0.0, 0.0}, Point{1e307, -1e308, 1.7e308}}) {
+    const Pose pose{.translation = place, .quaternion = {0.3, 0.5, -0.7, 0.2}};
+    const Rows rows = mapped(model_of(cube(), pose), {.tolerance = 1e-9}, points);
+    ASSERT_EQ(rows.results.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double farthest = 2.0 * std::max({std::abs(points[i][0]), std::abs(points[i][1]), std::abs(points[i][2]),
+                                              std::abs(place[1]), std::abs(place[2]), 2.0});
+      EXPECT_LE(rows.results[i].distance.lo, farthest) << i;
+      EXPECT_GE(rows.results[i].distance.hi, 0.0) << i;
+    }
+  }
+}
+
 /// A ball beside the cube, within it in part.
 Model cube_and_ball() {
   Model model = model_of(cube());

@@ -48,7 +48,7 @@ OctreeSummary grown(const Model& model, int depth, const std::string& device = "
   return OctreeBuilder(model, options).build();
 }
 
-/// Of a tetrahedron more is surface than of a ball: its share is larger.
+/// A tetrahedron has more surface for its volume than a ball: its share is larger.
 void expect_holds(const OctreeSummary& summary, const Enclosure& volume, double share) {
   EXPECT_LE(summary.volume.lo, volume.lo);
   EXPECT_GE(summary.volume.hi, volume.hi);

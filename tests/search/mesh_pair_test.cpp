@@ -200,6 +200,20 @@ TEST(MeshPairDistance, JoinsAllPrimitivesOfBothModels) {
   EXPECT_NEAR(of_balls.distance.hi, std::hypot(2.5, 0.25) - 2.0, 1e-6);
 }
 
+TEST(MeshPairDistance, SaysNothingOfPlacesAtTheEndOfAllNumbers) {
+  const Model mesh{"", {mesh_primitive("mesh", sphere_mesh(1))}};
+  const Model ball{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
+  for (const Point& place : {Point{1e308, -1e308, 0.0}, Point{-1.7e308, 1.7e308, 1.7e308}, Point{1e200, 0.0, 0.0}}) {
+    const Pose pose{.translation = place, .quaternion = {1.0, 2.0, 3.0, 4.0}};
+    for (const Model& other : {mesh, ball}) {
+      const SearchedDistance found = MeshPairDistance(mesh, other).searched(pose, {.tolerance = 0.0});
+      EXPECT_EQ(found.distance, (Enclosure{0.0, infinity}));
+      EXPECT_EQ(found.proximity, Proximity::undecided);
+    }
+  }
+  EXPECT_EQ(MeshTriangleDistance(mesh)({{{1e308, 0, 0}, {0, 1e308, 0}, {0, 0, -1e308}}}), (Enclosure{0.0, infinity}));
+}
+
 TEST(MeshPairDistance, AnswersForSuperquadrics) {
   const Model mesh{"", {mesh_primitive("ball", sphere_mesh(3))}};
   const Model box{"", {{"box", {{1.0, 2.0, 3.0}, {0.1, 0.1}}, {}}}};

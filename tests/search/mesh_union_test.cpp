@@ -48,7 +48,7 @@ struct Expected {
   Point normal;
 };
 
-/// Of a face, a side, a corner; and from inside.
+/// On a face, a side, a corner; and from inside.
 TEST(MeshClosestPoint, IsProvenOnFacesSidesAndCorners) {
   const PosedMesh mesh(mesh_primitive("cube", cube()));
   const double third = 1.0 / std::sqrt(3.0);

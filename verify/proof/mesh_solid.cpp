@@ -128,7 +128,7 @@ Bounds<T> bounds_by_sides(const Seen<T>& seen) {
   return {parts ? divide(least, lengths[nearest], Direction::down) : T(0), lengths[nearest]};
 }
 
-/// Of the nearest of these triangles. Precondition: at least one.
+/// Bounds the distance of the nearest of these triangles. Precondition: at least one.
 template <class T>
 Bounds<T> least_distance(const PreciseVector& point, std::span<const PreciseTriangle> triangles) {
   const Vector3<T> from = widened<T>(point);
@@ -227,7 +227,8 @@ std::optional<int> moved_orientation(const PreciseVector& a, const PreciseVector
   return a[i].lower() < b[i].lower() ? 1 : (a[i].lower() > b[i].lower() ? -1 : 0);
 }
 
-/// What the triangle adds to the winding number of a point off the surface, along the ray from the moved point. A ray
+/// Returns how much the triangle adds to the winding number of a point off the surface. The ray begins at the moved
+/// point. A ray
 /// that leaves the triangle on its front came from behind, where the number is larger by one.
 std::optional<int> crossing(const PreciseVector& point, std::size_t axis, bool upward,
                             const PreciseTriangle& triangle) {

@@ -60,7 +60,7 @@ double ModelChecker::lower_by_escape(const Point& point, const std::optional<Poi
   return -distance_up(point, *escape);
 }
 
-/// Of a union the signed distance is at most that of each primitive, and the least of them if all are positive. A mesh
+/// The signed distance of a union is at most that of each primitive, and the least of them if all are positive. A mesh
 /// alone may be a surface that crosses itself, whose signed distance is no depth: an escape proves nothing about it.
 Enclosure ModelChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
                                    const Hook& interrupted) const {
@@ -70,7 +70,7 @@ Enclosure ModelChecker::operator()(const Point& point, const Enclosure& claimed,
   Enclosure of_others{infinity, infinity};
   if (others_) {
     const Certificate by_normals{normals_of_others(certificate), std::nullopt};
-    // What the meshes prove is not asked for once more.
+    // The upper end that meshes prove is not asked for once more.
     const double upper_asked = of_meshes.hi <= claimed.hi ? infinity : claimed.hi;
     of_others = (*others_)(point, {claimed.lo, upper_asked}, by_normals, interrupted);
   }

@@ -281,13 +281,21 @@ bool is_at_rest(const Pose& pose) {
   return pose.translation == Point{} && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0;
 }
 
-namespace {
-
-double nearest(const PreciseInterval& x) {
-  return Interval(x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)).lower();
+PlacedMesh placed(const Primitive& primitive) {
+  PlacedMesh result{*primitive.mesh};
+  if (is_at_rest(primitive.pose)) return result;
+  const RigidMotion motion(primitive.pose);
+  for (Point& vertex : result.mesh.vertices) {
+    const Vector3<double> exact = in_binary64(motion(precise(vertex)));
+    Interval square_of_width(0.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      vertex[i] = exact[i].lower();
+      square_of_width += square(Interval(exact[i].upper()) - Interval(exact[i].lower()));
+    }
+    result.displacement = std::max(result.displacement, sqrt(square_of_width).upper());
+  }
+  return result;
 }
-
-}  // namespace
 
 PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(*primitive.mesh) {
   if (is_at_rest(primitive.pose)) return;
@@ -295,13 +303,14 @@ PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(*primitive.mesh) {
   turned_.translation = primitive.pose.translation;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      turned_.rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = nearest(motion_->rotation(i, j));
+      turned_.rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
+          in_binary64(motion_->rotation(i, j)).lower();
     }
   }
 }
 
 /// R^T (x - t). Each difference d rounds by u, each element of R by at most 2u of 1, the three products and two sums by
-/// 3u: a coordinate is off by at most 6.1 u Σ|d|, the point by less than 2^-49 Σ|d|. What underflows is far below
+/// 3u: a coordinate is off by at most 6.1 u Σ|d|, the point by less than 2^-49 Σ|d|. Underflow is far below
 /// 2^-1000.
 PosedMesh::OwnPoint PosedMesh::own_point(const Point& point) const {
   if (!motion_) return {point, 0.0};
@@ -360,6 +369,23 @@ double PosedMesh::size_about(const Point& centre) const {
   return (sum + largest) * (1.0 + 0x1p-40);
 }
 
+namespace {
+
+/// For a point so far that its place in the own frame overflows.
+constexpr ClosedMesh::Distance nothing_known{.signed_distance = {-infinity, infinity},
+                                             .side = ClosedMesh::Side::outside,
+                                             .means = ClosedMesh::Means::box,
+                                             .triangle = 0,
+                                             .alone = false,
+                                             .closest = {},
+                                             .normal = {}};
+
+bool is_known(const PosedMesh::OwnPoint& own) {
+  return is_finite(own.point) && std::isfinite(own.displacement);
+}
+
+}  // namespace
+
 /// The signed distance changes by no more than the way between two points, across the surface, too.
 void PosedMesh::place(double displacement, ClosedMesh::Distance& distance) const {
   if (!motion_) return;
@@ -372,6 +398,7 @@ void PosedMesh::place(double displacement, ClosedMesh::Distance& distance) const
 
 ClosedMesh::Distance PosedMesh::signed_distance(const Point& point, std::optional<std::uint32_t> hint) const {
   const OwnPoint own = own_point(point);
+  if (!is_known(own)) return nothing_known;
   ClosedMesh::Distance distance = mesh_.signed_distance(own.point, hint);
   place(own.displacement, distance);
   return distance;
@@ -383,10 +410,15 @@ void PosedMesh::signed_distances(std::span<const Point> points, std::span<Closed
   std::vector<Point> places;
   for (const Point& point : points) {
     own.push_back(own_point(point));
-    places.push_back(own.back().point);
+    places.push_back(is_known(own.back()) ? own.back().point : Point{});
   }
   mesh_.signed_distances(places, distances);
-  for (std::size_t i = 0; i < points.size(); ++i) place(own[i].displacement, distances[i]);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_known(own[i]))
+      place(own[i].displacement, distances[i]);
+    else
+      distances[i] = nothing_known;
+  }
 }
 
 }  // namespace verisq::verify

@@ -10,6 +10,7 @@
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/proposals/support_mapping.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -17,18 +18,6 @@ namespace verisq::verify {
 namespace {
 
 constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, infinity};
-
-double inner(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Point outer(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Point way(const Point& from, const Point& to) {
-  return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-}
 
 Point opposite(const Point& v) {
   return {-v[0], -v[1], -v[2]};
@@ -77,11 +66,12 @@ class SurfaceInCube {
 
   [[nodiscard]] bool is_empty() const { return triangles_.empty(); }
 
-  /// The mean of the normals, by the sizes that triangles may have in the cube. Of length 1, to rounding, or no number.
+  /// The mean of the normals, by the sizes that triangles may have in the cube. Its length is 1, to rounding, or it is
+  /// no number.
   [[nodiscard]] Point mean_normal() const {
     Point sum{};
     for (const Triangle& triangle : triangles_) {
-      const Point normal = outer(way(triangle[0], triangle[1]), way(triangle[0], triangle[2]));
+      const Point normal = cross(difference(triangle[1], triangle[0]), difference(triangle[2], triangle[0]));
       const double doubled_area = length(normal[0], normal[1], normal[2]);
       const double weight = std::min(1.0, half_width_ * half_width_ / doubled_area);
       if (!(doubled_area > 0.0)) continue;
@@ -114,7 +104,7 @@ class SurfaceInCube {
   [[nodiscard]] bool is_too_large() const {
     if (!(size_ <= largest_size && half_width_ <= largest_size)) return true;
     const WideTree& tree = mesh_.mesh().tree();
-    const double share = half_width_ / largest_coordinate(way(tree.lower(), tree.upper()));
+    const double share = half_width_ / largest_coordinate(difference(tree.upper(), tree.lower()));
     return share * share * static_cast<double>(tree.size()) > static_cast<double>(most_triangles);
   }
 
@@ -122,7 +112,7 @@ class SurfaceInCube {
   [[nodiscard]] bool parts(const Point& a, const Triangle& triangle) const {
     const double magnitude = sum_of_magnitudes(a);
     const double reach = half_width_ * magnitude * (1.0 + 0x1p-50) + 0x1p-49 * size_ * magnitude;
-    const std::array along{inner(a, triangle[0]), inner(a, triangle[1]), inner(a, triangle[2])};
+    const std::array along{dot(a, triangle[0]), dot(a, triangle[1]), dot(a, triangle[2])};
     const auto [least, largest] = std::ranges::minmax(along);
     return least > reach || largest < -reach;
   }
@@ -132,10 +122,11 @@ class SurfaceInCube {
   [[nodiscard]] bool misses(const Triangle& triangle) const {
     constexpr std::array<Point, 3> axes{Point{1.0, 0.0, 0.0}, Point{0.0, 1.0, 0.0}, Point{0.0, 0.0, 1.0}};
     if (std::ranges::any_of(axes, [&](const Point& axis) { return parts(axis, triangle); })) return true;
-    const std::array sides{way(triangle[0], triangle[1]), way(triangle[1], triangle[2]), way(triangle[2], triangle[0])};
-    if (parts(outer(sides[0], sides[1]), triangle)) return true;
+    const std::array sides{difference(triangle[1], triangle[0]), difference(triangle[2], triangle[1]),
+                           difference(triangle[0], triangle[2])};
+    if (parts(cross(sides[0], sides[1]), triangle)) return true;
     return std::ranges::any_of(sides, [&](const Point& side) {
-      return std::ranges::any_of(axes, [&](const Point& axis) { return parts(outer(side, axis), triangle); });
+      return std::ranges::any_of(axes, [&](const Point& axis) { return parts(cross(side, axis), triangle); });
     });
   }
 
@@ -143,9 +134,9 @@ class SurfaceInCube {
   /// w·q, the second term rounds by 4.1 u of itself, and their sum by u: 32 u of both magnitudes is more.
   [[nodiscard]] double support_by(const Triangle& triangle, const Point& n, const Point& w) const {
     const double of_triangle = size_ * sum_of_magnitudes(w);
-    const double of_cube = half_width_ * sum_of_magnitudes(way(w, n));
+    const double of_cube = half_width_ * sum_of_magnitudes(difference(n, w));
     if (!(of_triangle < 0x1p1000 && of_cube < 0x1p1000)) return infinity;
-    const double largest = std::max({inner(w, triangle[0]), inner(w, triangle[1]), inner(w, triangle[2])});
+    const double largest = std::max({dot(w, triangle[0]), dot(w, triangle[1]), dot(w, triangle[2])});
     constexpr double underflow = 0x1p-1000;
     return largest + of_cube + 0x1p-48 * (of_triangle + of_cube) + underflow;
   }
@@ -155,12 +146,13 @@ class SurfaceInCube {
   /// edge.
   [[nodiscard]] double support(const Triangle& triangle, const Point& n) const {
     double least = support_by(triangle, n, n);
-    const std::array sides{way(triangle[0], triangle[1]), way(triangle[1], triangle[2]), way(triangle[2], triangle[0])};
-    const Point normal = outer(sides[0], sides[1]);
+    const std::array sides{difference(triangle[1], triangle[0]), difference(triangle[2], triangle[1]),
+                           difference(triangle[0], triangle[2])};
+    const Point normal = cross(sides[0], sides[1]);
     for (std::size_t i = 0; i < 3; ++i) {
       for (const Point& side : sides) {
         Point w = n;
-        w[i] -= inner(n, side) / side[i];
+        w[i] -= dot(n, side) / side[i];
         least = std::min(least, support_by(triangle, n, w));
       }
       const double share = n[i] / normal[i];
@@ -215,9 +207,9 @@ std::optional<Point> point_beyond(const Cube& cube, const HalfSpace& half_space)
   return corner;
 }
 
-/// The half-space with the surface in the cube, if no point beyond it belongs to the set. What the plane cuts off the
-/// cube is convex and free of triangles. So the winding number is constant there, and one point speaks for all: they
-/// lie off the solid, or in its interior.
+/// The half-space with the surface in the cube, if no point beyond it belongs to the set. The part that the plane cuts
+/// off the cube is convex and free of triangles. So the winding number is constant there, and one point speaks for all:
+/// they lie off the solid, or in its interior.
 std::optional<HalfSpace> without_cap(const PosedMesh& mesh, const Cube& cube, const SurfaceInCube& surface,
                                      const Point& normal, Side side) {
   if (!is_finite(normal)) return std::nullopt;

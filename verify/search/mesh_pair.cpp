@@ -251,7 +251,7 @@ class RoundedMotion {
  public:
   explicit RoundedMotion(const RigidMotion& motion) {
     for (std::size_t i = 0; i < 3; ++i) {
-      translation_[i] = in_binary64(motion.translation[i]).lower();
+      translation_[i] = motion.translation[i].lower().to_double(Direction::down);
       for (std::size_t j = 0; j < 3; ++j) rows_[i][j] = in_binary64(motion.rotation(i, j)).lower();
     }
     is_exact_ = is_identity(motion);
@@ -270,6 +270,11 @@ class RoundedMotion {
     for (Triangle& triangle : moved)
       for (Point& corner : triangle) corner = (*this)(corner);
     return moved;
+  }
+
+  /// Points whose coordinates are at most so large stay where differences are below 2^300: distances need that.
+  [[nodiscard]] bool is_ordinary(double largest) const {
+    return largest < 0x1p299 && (is_exact_ || displacement(largest) < 0x1p250);
   }
 
   /// No point whose coordinates are at most so large is moved farther from its exact place. Elements of the rotation
@@ -357,6 +362,7 @@ Enclosure MeshTriangleDistance::operator()(const Triangle& triangle) const {
       is_outside = is_outside || at_corner.lo > 0.0;
     }
     const RoundedMotion motion(motion_of(part.mesh).inverse());
+    if (!motion.is_ordinary(largest_coordinate(triangle))) return {0.0, infinity};
     const std::vector<Triangle> own = motion(std::span(&triangle, 1));
     Enclosure to_surface = widened_by(distance_of_triangles(own, part.mesh.mesh().tree(), {}),
                                       motion.displacement(largest_coordinate(triangle)));
@@ -422,6 +428,7 @@ class MeshesApart {
   /// Two solids whose surfaces keep off each other meet only if one holds a part of the other's surface: their common
   /// part would have a boundary, in one surface and in the other solid.
   [[nodiscard]] MeshPair operator()(const std::function<bool()>& interrupted) const {
+    if (!to_b_.is_ordinary(a_.largest) || !to_a_.is_ordinary(b_.largest)) return {{0.0, infinity}};
     const Lie of_a = lie_of(a_.on_components, b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest));
     const Lie of_b = lie_of(b_.on_components, a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest));
     if (of_a.meets() || of_b.meets()) return deepest_point(they_meet);
@@ -475,6 +482,8 @@ class MeshAndSuperquadrics {
 
   /// A convex primitive that keeps off the surface lies on one side of it, as its centre does.
   [[nodiscard]] MeshPair operator()(const std::function<bool()>& interrupted) const {
+    if (!motion_.is_ordinary(solid_.largest) || !back_.is_ordinary(largest_coordinate(centres())))
+      return {{0.0, infinity}};
     const Lie of_centres = lie_of(centres(), solid_.placed->mesh(), back_, displacement_of_centres(), true);
     if (of_centres.meets()) return {they_meet, of_centres.deepest};
     const std::vector<Triangle> triangles = motion_(solid_.triangles);

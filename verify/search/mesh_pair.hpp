@@ -59,7 +59,7 @@ class MeshPairDistance {
   MeshPairDistance(MeshPairDistance&&) noexcept;
   MeshPairDistance& operator=(MeshPairDistance&&) noexcept;
 
-  /// Of A and of B moved by `pose`. Once interrupted, the lower end is 0.
+  /// Encloses the distance of A and of B moved by `pose`. Once interrupted, the lower end is 0.
   [[nodiscard]] MeshPair operator()(const Pose& pose, const std::function<bool()>& interrupted) const;
 
   /// As ModelSearch::operator(). Near and common points are left out.

@@ -49,8 +49,8 @@ class MeshUnion {
   [[nodiscard]] CertifiedEnclosure joined(const Point& point, std::span<const ClosedMesh::Distance> to_meshes,
                                           const std::optional<CertifiedEnclosure>& to_others) const;
 
-  /// Narrows what is wider than the tolerance by a search, in a union of several primitives. What certificates prove of
-  /// the upper end is left as it is.
+  /// Narrows an enclosure that is wider than the tolerance by a search, in a union of several primitives. An upper end
+  /// with a certificate is left as it is.
   void narrow(const Point& point, double tolerance, bool certified, const std::function<bool()>& interrupted,
               CertifiedEnclosure& found) const;
 

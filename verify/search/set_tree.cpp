@@ -11,6 +11,7 @@
 
 #include "verify/proof/triangle_certificate.hpp"
 #include "verify/proposals/gjk.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/convex_primitive.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/model.hpp"
@@ -261,7 +262,9 @@ Box outward_box(const PreciseVector& x) {
 Box box_of(const Mesh& mesh, const Pose& pose) {
   const RigidMotion motion(pose);
   Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const Point& vertex : mesh.vertices) box = hull(box, outward_box(motion(precise(vertex))));
+  const bool moves = !is_at_rest(pose);
+  for (const Point& vertex : mesh.vertices)
+    box = hull(box, moves ? outward_box(motion(precise(vertex))) : Box{vertex, vertex});
   return box;
 }
 

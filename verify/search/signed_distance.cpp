@@ -261,7 +261,7 @@ std::vector<verify::UnionPart> parts_of(const Model& model) {
 
 namespace {
 
-/// Of superquadrics alone.
+/// For models of superquadrics alone.
 struct Superquadrics {
   explicit Superquadrics(const Model& model)
       : search(model),

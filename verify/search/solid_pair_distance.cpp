@@ -468,7 +468,7 @@ namespace verisq {
 
 namespace {
 
-/// Of superquadrics. All lengths are in units of a length.
+/// For models of superquadrics. All lengths are in units of a length.
 struct ScaledSearch {
   ScaledSearch(const Model& first, const Model& second)
       : a(first),

@@ -349,7 +349,7 @@ std::vector<std::optional<TriangleDistance>> convex_primitives(const Model& mode
 
 namespace {
 
-/// Of superquadrics alone: from signed distances of points.
+/// For models of superquadrics alone: from signed distances of points.
 struct SearchedSolid {
   explicit SearchedSolid(const Model& model)
       : distance(model),

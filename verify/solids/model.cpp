@@ -67,9 +67,11 @@ std::optional<Fault> fault_of_pose(const UncertainPrimitive& primitive, const st
 
 std::optional<Fault> fault_of_mesh(const UncertainPrimitive& primitive, const std::string& place) {
   const Mesh& mesh = *primitive.mesh;
-  for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
-    const std::string vertex = place + ".mesh.vertices[" + std::to_string(n) + "]";
-    if (auto fault = fault_of(mesh.vertices[n], vertex, finite, "must be finite")) return fault;
+  const auto vertex =
+      std::ranges::find_if_not(mesh.vertices, [](const Point& v) { return std::ranges::all_of(v, finite); });
+  if (vertex != mesh.vertices.end()) {
+    const std::string index = std::to_string(vertex - mesh.vertices.begin());
+    return fault_of(*vertex, place + ".mesh.vertices[" + index + "]", finite, "must be finite");
   }
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
     for (const std::uint32_t corner : mesh.triangles[n]) {
