@@ -44,7 +44,7 @@ NumberType legacy_type(const InputFile& file, std::string_view word) {
       {"vtktypeuint64", uint64},
       {"vtktypefloat64", float64},
   }};
-  const auto found = std::ranges::find(names, lower_case(word), &std::pair<std::string_view, NumberType>::first);
+  const auto* const found = std::ranges::find(names, lower_case(word), &std::pair<std::string_view, NumberType>::first);
   if (found == names.end()) file.fail(fmt::format("type {}: not read", in_quotes(word)));
   return found->second;
 }

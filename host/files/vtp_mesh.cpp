@@ -233,7 +233,7 @@ class VtpMesh {
     }
     constexpr std::array<std::string_view, 10> names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                                                      "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-    const auto found = std::ranges::find(names, tag.attribute("type"));
+    const auto* const found = std::ranges::find(names, tag.attribute("type"));
     const auto type = static_cast<NumberType>(found - names.begin());
     if (found == names.end() || is_integer(type) != (components == "1")) {
       refuse(tag, "type", "coordinates are of Float32 or Float64, indices of integers");

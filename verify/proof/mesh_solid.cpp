@@ -325,6 +325,7 @@ Enclosure MeshSolid::signed_distance(const Point& point) const {
   const double reach = add(tree_.nearest(near).distance.hi, 2.0 * displacement, Direction::up);
   const std::vector<std::uint32_t> candidates = tree_.within(near, reach);
   std::vector<PreciseTriangle> triangles;
+  triangles.reserve(candidates.size());
   for (const std::uint32_t n : candidates) triangles.push_back(corners_of(tree_.triangle(n)));
 
   const auto bounds = least_distance<Real>(own, triangles);

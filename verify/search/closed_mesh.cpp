@@ -71,10 +71,12 @@ std::vector<bool> ClosedMesh::clean_triangles() const {
   return clean;
 }
 
+namespace {
+
 /// Patches of clean triangles: over a side with two triangles, which run through it in opposite ways, winding numbers
-/// before and behind are the same for both. One triangle of each patch is asked.
-void ClosedMesh::find_sides(const std::vector<SidedEdge>& edges, const std::vector<bool>& clean) {
-  Connected patches(corners_.size());
+/// before and behind are the same for both.
+Connected patches_of(std::size_t triangles, const std::vector<SidedEdge>& edges, const std::vector<bool>& clean) {
+  Connected patches(triangles);
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i + 1;
     while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
@@ -83,6 +85,14 @@ void ClosedMesh::find_sides(const std::vector<SidedEdge>& edges, const std::vect
     }
     i = end;
   }
+  return patches;
+}
+
+}  // namespace
+
+/// One triangle of each patch is asked.
+void ClosedMesh::find_sides(const std::vector<SidedEdge>& edges, const std::vector<bool>& clean) {
+  Connected patches = patches_of(corners_.size(), edges, clean);
   constexpr int most_tries = 8;  // triangles of a patch: where it is hidden among others none may be nearest
   std::vector<int> tries(corners_.size(), 0);
   std::vector<std::optional<int>> winding(corners_.size());
@@ -97,20 +107,25 @@ void ClosedMesh::find_sides(const std::vector<SidedEdge>& edges, const std::vect
     facts_.unclean += !degenerate && !clean[n] ? 1 : 0;
     if (degenerate || !clean[n]) continue;
     facts_.patches += patches.root(n) == n ? 1 : 0;
-    const std::optional<int> before = winding[patches.root(n)];
-    if (!before) continue;
-    sides_[n] = {true, *before != 0, *before + 1 != 0};
-    facts_.outward += *before == 0 ? 1 : 0;
-    facts_.inward += *before == -1 ? 1 : 0;
-    facts_.within += sides_[n].before && sides_[n].behind ? 1 : 0;
+    if (const std::optional<int> before = winding[patches.root(n)]) set_sides(n, *before);
   }
+}
+
+/// Behind a triangle the winding number is one higher.
+void ClosedMesh::set_sides(std::uint32_t n, int before) {
+  sides_[n] = {true, before != 0, before + 1 != 0};
+  facts_.outward += before == 0 ? 1 : 0;
+  facts_.inward += before == -1 ? 1 : 0;
+  facts_.within += sides_[n].before && sides_[n].behind ? 1 : 0;
 }
 
 /// A point before the triangle, to which it alone is nearest, lies in the region that touches it there
 /// (docs/mathematics.md §29).
 std::optional<int> ClosedMesh::winding_before(std::uint32_t n) const {
   const Triangle& triangle = tree_.triangle(n);
-  Point middle, ab, ac;
+  Point middle;
+  Point ab;
+  Point ac;
   for (std::size_t i = 0; i < 3; ++i) {
     middle[i] = triangle[0][i] / 3 + triangle[1][i] / 3 + triangle[2][i] / 3;
     ab[i] = triangle[1][i] - triangle[0][i];

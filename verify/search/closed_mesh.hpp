@@ -81,7 +81,8 @@ class ClosedMesh {
 
   [[nodiscard]] std::vector<bool> clean_triangles() const;
   void find_sides(const std::vector<SidedEdge>& edges, const std::vector<bool>& clean);
-  [[nodiscard]] std::optional<int> winding_before(std::uint32_t triangle) const;
+  void set_sides(std::uint32_t n, int before);
+  [[nodiscard]] std::optional<int> winding_before(std::uint32_t n) const;
   [[nodiscard]] bool is_in_box(const Point& point) const;
   [[nodiscard]] bool is_on_triangle(const Point& point, const WideTree::Nearest& nearest) const;
   [[nodiscard]] std::optional<Side> side_by_planes(const Point& point, const WideTree::Nearest& nearest) const;

@@ -53,13 +53,14 @@ class SurfaceInCube {
   /// Collects all triangles that may meet the cube. False where these are too many.
   [[nodiscard]] bool collect(const PosedMesh::OwnPoint& own) {
     if (is_too_large()) return false;
-    for (const std::uint32_t n : triangles_about(own)) {
+    const auto keep = [this](std::uint32_t n) {
       const Triangle triangle = mesh_.triangle_about(cube_.centre, n);
-      if (misses(triangle)) continue;
+      if (misses(triangle)) return true;
       if (triangles_.size() == most_triangles) return false;
       triangles_.push_back(triangle);
-    }
-    return true;
+      return true;
+    };
+    return std::ranges::all_of(triangles_about(own), keep);
   }
 
   // Preconditions of these: `collect` returned true.

@@ -116,7 +116,8 @@ double lower_by_normals(const SeenPair& seen, double lower) {
   const auto offer = [&](const Point& n) {
     lower = std::max({lower, lower_by(seen, n), lower_by(seen, {-n[0], -n[1], -n[2]})});
   };
-  std::array<Point, 3> sides_a, sides_b;
+  std::array<Point, 3> sides_a;
+  std::array<Point, 3> sides_b;
   for (std::size_t k = 0; k < 3; ++k) {
     sides_a[k] = difference(seen.a[(k + 1) % 3], seen.a[k]);
     sides_b[k] = difference(seen.b[(k + 1) % 3], seen.b[k]);

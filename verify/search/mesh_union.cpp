@@ -267,7 +267,8 @@ std::optional<Point> MeshUnion::escape(const Point& point, std::span<const Close
   for (const ClosedMesh::Distance& distance : to_meshes) offer(distance.closest, distance.normal);
   if (may_be_in_others) {
     const ClosestPoint closest = to_others_->closest_point(point, Enclosure{-infinity, infinity});
-    Point from, outward;
+    Point from;
+    Point outward;
     for (std::size_t i = 0; i < 3; ++i) {
       from[i] = 0.5 * closest.point[i].lo + 0.5 * closest.point[i].hi;
       outward[i] = 0.5 * closest.normal[i].lo + 0.5 * closest.normal[i].hi;
