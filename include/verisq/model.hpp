@@ -89,17 +89,17 @@ inline constexpr double largest_taper = 100.0;
   return superquadric.taper != 1.0;
 }
 
-/// Whether a primitive is a mesh.
+/// True if a primitive is a mesh.
 [[nodiscard]] bool has_mesh(const Model& model);
 
-/// Whether the primitive has a bend that moves anything: without one a superquadric is convex.
+/// True if the primitive has a bend that moves anything: without one a superquadric is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);
 
 /// The name of a primitive for messages: its own, or "primitives[2]" where it has none. Precondition: it is there.
 [[nodiscard]] std::string name_of_primitive(const Model& model, std::size_t primitive);
 
-/// Whether the model is the union of all its primitives, none of them bent or a mesh: what the certificates of
-/// docs/mathematics.md §2 are made for. Anything else is searched by branch and bound (§9 to §11).
+/// True if the model is the union of all its primitives, none of them bent or a mesh. The certificates of
+/// docs/mathematics.md §2 are made for it. Anything else is searched by branch and bound (§9 to §11).
 [[nodiscard]] bool is_union_of_convex(const Model& model);
 
 // Models whose numbers are known within bounds only (docs/mathematics.md §8), and the ordinary models that bracket

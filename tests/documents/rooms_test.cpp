@@ -27,7 +27,7 @@ constexpr std::size_t most_core_lines = 4100;
 /// All that `verisq-check` believes lies here, and nothing else does.
 const std::vector<std::string> trusted_rooms{"verify/numbers/", "verify/solids/", "verify/proof/"};
 
-/// What proves rows of maps and octrees; of superquadrics, all of it.
+/// The files that prove rows of maps and octrees; for superquadrics, all of them.
 const std::vector<std::string> core_sources{
     "verify/numbers/core_trigonometry.cpp",
     "verify/numbers/real.cpp",

@@ -39,7 +39,7 @@ const std::vector<std::int64_t> strip_ends{5};
 const std::vector<std::int64_t> lines{0, 1, 2};
 const std::vector<std::int64_t> line_ends{3};
 
-/// What every file of these numbers holds.
+/// The coordinates above, and the triangles that the polygons and the strip make.
 void expect_the_mesh(const Mesh& mesh, const std::string& file) {
   std::vector<double> found;
   for (const Point& vertex : mesh.vertices) found.insert(found.end(), vertex.begin(), vertex.end());
@@ -170,7 +170,7 @@ class VtpWriter {
            "</" + kind + ">\n";
   }
 
-  /// Of all numbers.
+  /// A piece with every number above.
   std::string piece() {
     return "<Piece NumberOfPoints=\"10\" NumberOfVerts=\"0\" NumberOfLines=\"1\" NumberOfStrips=\"1\" "
            "NumberOfPolys=\"3\">\n<PointData Scalars=\"a>b\">" +

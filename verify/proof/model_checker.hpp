@@ -12,8 +12,8 @@ namespace verisq::verify {
 
 class MeshSolid;
 
-/// An ExactChecker of models that may have closed meshes, too: of a union with meshes it checks points alone. Of a mesh
-/// it asks for no certificate, so that normals that name a mesh prove nothing. Immutable after construction: safe to
+/// An ExactChecker of models that may have closed meshes, too. In a union with meshes it checks points alone. A mesh
+/// needs no certificate: normals that name a mesh prove nothing. Immutable after construction: safe to
 /// call from many threads.
 class ModelChecker {
  public:
