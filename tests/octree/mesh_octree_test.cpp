@@ -158,8 +158,8 @@ TEST(MeshOctreeChecker, ProvesNoFalseColour) {
       const bool as_white = of_white.proves({centre, half, CubeColour::white});
       const bool as_black = of_white.proves({centre, half, CubeColour::black});
       ASSERT_FALSE(as_white && as_black);
-      if (cube.colour == CubeColour::black) ASSERT_FALSE(as_white);
-      if (cube.colour == CubeColour::white) ASSERT_FALSE(as_black);
+      ASSERT_FALSE(as_white && cube.colour == CubeColour::black);
+      ASSERT_FALSE(as_black && cube.colour == CubeColour::white);
       white += as_white ? 1 : 0;
     }
     EXPECT_GT(white, 0U);

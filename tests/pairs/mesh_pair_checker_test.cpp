@@ -24,7 +24,7 @@ using testing::Random;
 using testing::sphere_mesh;
 
 std::size_t count() {
-  return testing::requested_count("VERISQ_MESH_PAIRS", 60);
+  return oracle::requested_count("VERISQ_MESH_PAIRS", 60);
 }
 
 Mesh scaled(Mesh mesh, double factor) {

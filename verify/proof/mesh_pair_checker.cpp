@@ -85,6 +85,28 @@ Real lower_by_normal(const PreciseTriangle& a, const PreciseTriangle& b, const P
   return gap.lower() > Real(0) ? (gap / norm).lower() : Real(0);
 }
 
+/// 1 where the point is proven to lie before the triangle, -1 behind it, else 0.
+int side_of(const PreciseTriangle& t, const PreciseVector& x) {
+  const PreciseInterval height = cross(PreciseVector(t[1] - t[0]), PreciseVector(t[2] - t[0])).dot(x - t[0]);
+  if (height.lower() > Real(0)) return 1;
+  return height.upper() < Real(0) ? -1 : 0;
+}
+
+/// True proves that the side passes through the triangle: its ends lie on both sides of the plane, and its line leaves
+/// the three sides on one hand.
+bool passes_through(const PreciseVector& from, const PreciseVector& to, const PreciseTriangle& t) {
+  if (side_of(t, from) * side_of(t, to) >= 0) return false;
+  const auto hand = [&](std::size_t k) { return side_of({from, to, t[k]}, t[(k + 1) % 3]); };
+  return hand(0) != 0 && hand(0) == hand(1) && hand(1) == hand(2);
+}
+
+bool cross_each_other(const PreciseTriangle& a, const PreciseTriangle& b) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (passes_through(a[k], a[(k + 1) % 3], b) || passes_through(b[k], b[(k + 1) % 3], a)) return true;
+  }
+  return false;
+}
+
 /// Triangles that do not meet are nearest where a corner of one is nearest to the other triangle, or where two sides
 /// are: then the way between them is the normal that proves the lower end.
 Bounds distance_of(const PreciseTriangle& a, const PreciseTriangle& b) {
@@ -101,7 +123,8 @@ Bounds distance_of(const PreciseTriangle& a, const PreciseTriangle& b) {
     offer(-way_from_triangle(b, a[k]));
     for (std::size_t j = 0; j < 3; ++j) offer(way_between_sides(a[k], a[(k + 1) % 3], b[j], b[(j + 1) % 3]));
   }
-  return {lower_by_normal(a, b, nearest), upper};
+  const Real lower = lower_by_normal(a, b, nearest);
+  return lower > Real(0) || !cross_each_other(a, b) ? Bounds{lower, upper} : Bounds{0, 0};
 }
 
 // Places in binary64, for the searches in trees.

@@ -30,8 +30,8 @@ class MeshPairChecker {
   MeshPairChecker(const Model& a, const Model& b) : a_(a), b_(b) {}
 
   /// Encloses the distance: 0 where the models meet. A point of A's frame that both have in `common` proves that they
-  /// do; without one crossing surfaces are proven only to be near. The lower end holds at all times of B's motion, the
-  /// upper end at its moment. Once interrupted, the lower end is 0.
+  /// do; without one a superquadric that a surface only cuts is proven to be near. The lower end holds at all times of
+  /// B's motion, the upper end at its moment. Once interrupted, the lower end is 0.
   [[nodiscard]] Enclosure distance(const ShortMotion& motion, const std::optional<Point>& common,
                                    const Hook& interrupted) const;
 
