@@ -29,14 +29,12 @@ const std::vector<std::string> trusted_rooms{"verify/numbers/", "verify/solids/"
 
 /// The files that prove rows of maps and octrees; for superquadrics, all of them.
 const std::vector<std::string> core_sources{
-    "verify/numbers/core_trigonometry.cpp",
-    "verify/numbers/real.cpp",
+    "verify/numbers/interval.cpp",
     "verify/proof/checker.cpp",
     "verify/proof/contained_ball.cpp",
     "verify/proof/empty_neighbourhood.cpp",
     "verify/proof/exact_checker.cpp",
     "verify/proof/posed_superquadric.cpp",
-    "verify/proof/triangle_certificate.cpp",
     "verify/proof/uncertain_model.cpp",
     "verify/solids/model.cpp",
     "verify/solids/rigid_motion.cpp",

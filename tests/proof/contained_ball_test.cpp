@@ -1,11 +1,10 @@
 /// The proof that a ball lies inside a superquadric: up to the depth, never beyond.
-#include "verify/proof/contained_ball.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {

@@ -1,5 +1,4 @@
-/// This file implements containment_checker.hpp, and the ContainmentChecker of recovery.hpp.
-#include "verify/proof/containment_checker.hpp"
+/// The unions of side_checker.hpp, and the ContainmentChecker of recovery.hpp.
 
 #include <fmt/format.h>
 

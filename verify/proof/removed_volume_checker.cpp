@@ -14,7 +14,6 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
-#include "verify/proof/bone_surface.hpp"
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proof/volume_in_cube.hpp"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/contained_ball.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/solids/bend.hpp"

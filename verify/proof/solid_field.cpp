@@ -7,7 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "verify/numbers/core_trigonometry.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/solids/rigid_motion.hpp"

@@ -13,7 +13,7 @@
 
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"

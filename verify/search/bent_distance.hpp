@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/search/closest_surface_point.hpp"
+#include "verify/search/convex_primitive.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/rigid_motion.hpp"
 #include "verisq/model.hpp"

@@ -1,5 +1,4 @@
-/// This file implements closest_surface_point.hpp, and the contacts of contact.hpp.
-#include "verify/search/closest_surface_point.hpp"
+/// The nearest point of a surface of convex_primitive.hpp, and the contacts of contact.hpp.
 
 #include <algorithm>
 #include <cmath>

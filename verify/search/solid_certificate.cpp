@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/triangle_pieces.hpp"
 #include "verify/search/union_of_convex.hpp"

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "verify/numbers/core_trigonometry.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh.hpp"
