@@ -19,7 +19,7 @@
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/search/model_distances.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
 namespace verisq {

@@ -37,7 +37,6 @@ const std::vector<std::string> core_sources{
     "verify/proof/posed_superquadric.cpp",
     "verify/proof/uncertain_model.cpp",
     "verify/solids/model.cpp",
-    "verify/solids/rigid_motion.cpp",
     "verify/solids/superquadric.cpp",
 };
 

@@ -3,10 +3,11 @@
 #include <utility>
 
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/proven_surface.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
 namespace verisq {

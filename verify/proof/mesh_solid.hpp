@@ -6,7 +6,7 @@
 #include <span>
 
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 

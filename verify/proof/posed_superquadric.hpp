@@ -6,7 +6,6 @@
 #include <optional>
 #include <variant>
 
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"

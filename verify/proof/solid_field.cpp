@@ -10,7 +10,7 @@
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/gjk.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 

@@ -9,7 +9,6 @@
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 

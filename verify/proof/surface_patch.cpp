@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "verify/numbers/vector.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {

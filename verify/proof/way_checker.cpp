@@ -17,7 +17,7 @@
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/insertion.hpp"

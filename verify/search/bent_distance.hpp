@@ -7,7 +7,7 @@
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/search/convex_primitive.hpp"
 #include "verify/solids/bend.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {

@@ -11,7 +11,7 @@
 #include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/bend.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

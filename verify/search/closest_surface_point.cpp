@@ -14,7 +14,6 @@
 #include "verify/search/convex_primitive.hpp"
 #include "verify/search/krawczyk.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 

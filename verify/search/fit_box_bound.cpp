@@ -13,7 +13,7 @@
 #include "verify/proof/objective_bound.hpp"
 #include "verify/proposals/multipliers.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -10,7 +10,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/triangle_pieces.hpp"
 #include "verify/search/union_of_convex.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -13,7 +13,7 @@
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
 #include "verify/search/solid_pair_distance.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 

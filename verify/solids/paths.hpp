@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "verify/numbers/vector.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
