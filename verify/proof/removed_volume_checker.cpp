@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"

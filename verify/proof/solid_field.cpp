@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/gjk.hpp"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/solids/superquadric.hpp"
 

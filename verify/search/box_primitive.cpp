@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/support_mapping.hpp"

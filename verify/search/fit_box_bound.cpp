@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/objective_bound.hpp"

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/search/clipped_cube.hpp"

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
