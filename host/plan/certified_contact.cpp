@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "host/errors/refusal.hpp"
-#include "host/plan/certified_deviation.hpp"
 #include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
