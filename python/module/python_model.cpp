@@ -1,4 +1,4 @@
-/// The classes verisq.Model, verisq.Mesh and verisq.Answer of module.hpp.
+/// The classes verisq.Model and verisq.Mesh of module.hpp.
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
