@@ -1,6 +1,4 @@
-/// This file implements certified_deviation.hpp.
-#include "host/plan/certified_deviation.hpp"
-
+/// The certified deviations of deviation.hpp.
 #include <fmt/core.h>
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 /// This file implements deviation.hpp.
-#include "host/plan/deviation.hpp"
+#include "verisq/deviation.hpp"
 
 #include <fmt/core.h>
 
@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "host/errors/refusal.hpp"
+#include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_piece.hpp"
@@ -25,7 +26,6 @@
 #include "verify/search/model_distances.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
-#include "verisq/deviation.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
 

@@ -15,7 +15,7 @@
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::testing {
 namespace {

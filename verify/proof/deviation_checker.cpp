@@ -3,12 +3,13 @@
 #include <utility>
 
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/proven_surface.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
 namespace verisq {

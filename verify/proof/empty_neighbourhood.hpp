@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/mesh.hpp"
 

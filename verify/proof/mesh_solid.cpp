@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/vector.hpp"

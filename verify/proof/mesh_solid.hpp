@@ -8,7 +8,7 @@
 
 #include "verify/proof/empty_neighbourhood.hpp"
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"

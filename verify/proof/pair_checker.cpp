@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/mesh_pair_checker.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proof/way_checker.hpp"

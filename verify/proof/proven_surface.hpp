@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/surface_patch.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/proof/verdict.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/deviation.hpp"
 #include "verisq/enclosure.hpp"

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_tree.hpp"

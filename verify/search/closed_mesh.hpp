@@ -11,7 +11,7 @@
 #include "verify/proof/mesh_solid.hpp"
 #include "verify/search/wide_tree.hpp"
 #include "verify/solids/closed_edges.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"

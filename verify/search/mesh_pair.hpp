@@ -10,7 +10,7 @@
 
 #include "verify/search/mesh_union.hpp"
 #include "verify/search/wide_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
