@@ -230,7 +230,8 @@ TEST(MeshSurfaceCertificate, ProvesBothWaysAndNoForgery) {
   const Deviation found = deviation(ball, torus, options);
   const CertifiedDeviation certified = certified_deviation(ball, torus, found, options);
   const auto prove = [&](const DeviationCertificate& certificate) {
-    return DeviationChecker(ball)(torus, certificate, {.percentiles = percentiles, .statistics_of_model = true});
+    return DeviationChecker(ball)(torus, certificate,
+                                  {.percentiles = percentiles, .statistics_of_model = true, .check = {}});
   };
   const auto expect_true = [&](const ProvenDeviation& proven) {
     EXPECT_TRUE(meet(*proven.from_model, found.from_model->largest));

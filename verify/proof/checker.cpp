@@ -151,12 +151,7 @@ struct OctreeChecker::State {
 
   /// Returns whether all spheres about primitives are proven to lie in the ball of this radius about the root's centre.
   [[nodiscard]] bool reaches_no_farther(double radius) const {
-    const auto is_near = [&](const auto& solid) {
-      const PreciseInterval reach = length<Real>(PreciseVector(solid.motion().translation - centre)) + solid.radius();
-      return reach.upper() <= (PreciseInterval(Real(radius)) * unit).lower();
-    };
-    if (meshes) return meshes->reach(centre) <= (PreciseInterval(Real(radius)) * unit).lower();
-    return std::ranges::all_of(checker->primitives(), [&](const auto& p) { return std::visit(is_near, p); });
+    return places.reach(centre) <= (PreciseInterval(Real(radius)) * unit).lower();
   }
 
   [[nodiscard]] PreciseInterval volume_of(std::uint64_t count) const {
@@ -165,7 +160,7 @@ struct OctreeChecker::State {
   }
 
   std::optional<ExactChecker> checker;  ///< of a model without meshes
-  std::optional<MeshCubes> meshes;      ///< of the others
+  CubePlaces places;
   PreciseVector centre;
   PreciseInterval unit;  ///< the root's half-width
   std::vector<ColouredCube> cubes = {};
@@ -173,11 +168,8 @@ struct OctreeChecker::State {
 };
 
 OctreeChecker::OctreeChecker(const Model& model, const OctreeRoot& root, std::span<const OctreeCube> cubes)
-    : state_(std::make_unique<State>(State{{}, {}, precise(root.centre), Real(root.half_width)})) {
-  if (has_mesh(model))
-    state_->meshes.emplace(model);
-  else
-    state_->checker.emplace(model);
+    : state_(std::make_unique<State>(State{{}, CubePlaces(model), precise(root.centre), Real(root.half_width)})) {
+  if (!has_mesh(model)) state_->checker.emplace(model);
   std::vector<OctreeCube> kept;
   for (const OctreeCube& cube : cubes) {
     const auto beyond = [&](std::uint32_t p) { return cube.level > deepest_octree_level || p >> cube.level != 0; };
@@ -230,9 +222,8 @@ bool OctreeChecker::proves(const ColouredCube& cube, const std::function<bool()>
   const PreciseVector centre = state_->centre + from_centre * state_->unit;
   const Real half_width = (PreciseInterval(Real(cube.half_width)) * state_->unit).upper();
   const Place wanted = cube.colour == CubeColour::black ? Place::inside : Place::outside;
-  if (state_->meshes) return state_->meshes->lies(wanted, centre, half_width, interrupted);
-  const ExactChecker& checker = *state_->checker;
-  const EmptyNeighbourhood all(checker.set(), checker.primitives(), centre, half_width, wanted);
+  if (!state_->checker) return state_->places.lies(wanted, centre, half_width, interrupted);
+  const EmptyNeighbourhood all(state_->checker->set(), state_->checker->primitives(), centre, half_width, wanted);
   std::vector<EmptyNeighbourhood::Cell> open{all.whole()};
   for (int looks = 0; !open.empty(); ++looks) {
     if (interrupted && interrupted()) return false;

@@ -88,7 +88,7 @@ Enclosure ModelChecker::operator()(const Triangle& triangle, const Enclosure& cl
   return (*others_)(triangle, claimed, certificate, interrupted);
 }
 
-MeshCubes::MeshCubes(const Model& model) {
+CubePlaces::CubePlaces(const Model& model) {
   require_valid_with_meshes(model);
   set_ = set_of(model);
   for (const Primitive& primitive : model.primitives) {
@@ -100,38 +100,41 @@ MeshCubes::MeshCubes(const Model& model) {
   }
 }
 
-bool MeshCubes::lies(Place wanted, const PreciseVector& centre, const Real& half_width, const Hook& interrupted) const {
-  constexpr int most_looks = 4096;
+bool CubePlaces::lies(Place wanted, const PreciseVector& centre, const Real& half_width,
+                      const Hook& interrupted) const {
+  constexpr std::size_t most_parts = 4096;
   struct Part {
     PreciseVector centre;
     Real half;
   };
-  std::vector<Part> open{{centre, half_width}};
-  for (int looks = 0; !open.empty(); ++looks) {
+  std::vector<Part> parts{{centre, half_width}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     if (interrupted && interrupted()) return false;
-    const Part part = open.back();
-    open.pop_back();
-    const PreciseInterval half(part.half);
+    const Part part = parts[i];
     std::vector<Place> places;
+    bool may_be_settled = false;  // by smaller parts
     for (const Solid& solid : solids_) {
       const auto* const mesh = std::get_if<std::shared_ptr<const MeshSolid>>(&solid);
       places.push_back(
           mesh ? (*mesh)->place_of_cube(part.centre, part.half)
                : place_of(part.centre + box_of({part.half, part.half, part.half}), std::get<PosedPrimitive>(solid)));
+      may_be_settled = may_be_settled || (!mesh && places.back() == Place::undecided);
     }
     const Place place = place_of(set_, places);
     if (place == wanted) continue;
-    if (place != Place::undecided || looks == most_looks) return false;
-    const Real quarter = (half * PreciseInterval(Real(0.5))).upper();
+    // A mesh is undecided where a triangle comes in: of one alone some part always stays so.
+    may_be_settled = may_be_settled || std::ranges::count(places, Place::undecided) > 1;
+    if (place != Place::undecided || !may_be_settled || parts.size() > most_parts) return false;
+    const Real quarter = (PreciseInterval(part.half) * PreciseInterval(Real(0.5))).upper();
     for (unsigned n = 0; n < 8; ++n) {
-      const auto step = [&](unsigned i) { return (n >> i & 1U) != 0 ? quarter : -quarter; };
-      open.push_back({part.centre + PreciseVector(step(0), step(1), step(2)), quarter});
+      const auto step = [&](unsigned k) { return (n >> k & 1U) != 0 ? quarter : -quarter; };
+      parts.push_back({part.centre + PreciseVector(step(0), step(1), step(2)), quarter});
     }
   }
   return true;
 }
 
-Real MeshCubes::reach(const PreciseVector& centre) const {
+Real CubePlaces::reach(const PreciseVector& centre) const {
   const auto of_mesh = [&](const MeshSolid& mesh) {
     const PreciseVector lower = precise(mesh.tree().lower());
     const PreciseVector upper = precise(mesh.tree().upper());

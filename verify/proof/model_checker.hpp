@@ -40,12 +40,12 @@ class ModelChecker {
   std::vector<std::optional<std::uint32_t>> place_;       ///< of each primitive among the others
 };
 
-/// The places of cubes relative to a model with closed meshes, whatever its set operations are. Immutable after
-/// construction: safe to call from many threads.
-class MeshCubes {
+/// The places of cubes relative to a model that may have closed meshes, whatever its set operations are. Immutable
+/// after construction: safe to call from many threads.
+class CubePlaces {
  public:
   /// Throws Error(input) for a model that is not valid, and for a mesh that is not closed.
-  explicit MeshCubes(const Model& model);
+  explicit CubePlaces(const Model& model);
 
   /// True where the cube about any point of the enclosed centre is proven to lie outside of the solid, or in its
   /// interior, as wanted: by parts of it where it takes that. False once interrupted.
