@@ -9,7 +9,6 @@
 #include <optional>
 #include <type_traits>
 
-#include "verify/proof/exact_checker.hpp"
 #include "verify/proof/model_checker.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 
-#include "verify/proof/empty_neighbourhood.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/enclosure.hpp"

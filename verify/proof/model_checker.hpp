@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <variant>
-#include <vector>
 
 #include "verify/proof/exact_checker.hpp"
 
