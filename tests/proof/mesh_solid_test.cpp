@@ -19,6 +19,7 @@
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verisq/checker.hpp"
+#include "verisq/deviation.hpp"
 #include "verisq/error.hpp"
 #include "verisq/insertion.hpp"
 
@@ -626,7 +627,7 @@ TEST(MeshSolid, WhatIsNotCheckedIsRefused) {
 TEST(MeshSolid, OtherCheckersTakeNoMeshes) {
   const Model cube = model_of(box({0, 0, 0}, {1, 1, 1}));
   expect_refused([&] { ExactChecker check(cube); }, "mesh");
-  expect_refused([&] { OctreeChecker check(cube, {{0, 0, 0}, 2.0}, {}); }, "mesh");
+  expect_refused([&] { ContactChecker check(cube); }, "mesh");
   const std::array<Pose, 1> way{Pose{}};
   expect_refused([&] { InsertionChecker check(cube, way); }, "mesh");
 }

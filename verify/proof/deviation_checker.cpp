@@ -9,6 +9,7 @@
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/proof/verdict.hpp"
+#include "verify/solids/model.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
@@ -265,7 +266,10 @@ struct ContactChecker::State {
   verify::ProvenSamples samples;
 };
 
-ContactChecker::ContactChecker(const Model& model) : state_(std::make_unique<State>(model)) {}
+ContactChecker::ContactChecker(const Model& model) {
+  verify::require_valid(model);  // covers are of superquadrics, which a mesh's primitive has only as zeros
+  state_ = std::make_unique<State>(model);
+}
 ContactChecker::~ContactChecker() = default;
 ContactChecker::ContactChecker(ContactChecker&&) noexcept = default;
 ContactChecker& ContactChecker::operator=(ContactChecker&&) noexcept = default;
