@@ -212,13 +212,18 @@ void scale(Mesh& mesh, const JsonValue& value) {
   }
 }
 
+/// The file that a model names, relative to the model's folder.
+std::filesystem::path beside(const std::filesystem::path& model, const std::string& file) {
+  return model.parent_path() / file;
+}
+
 /// {"file": "stem.stl", "scale": 0.001}, its name relative to the model's folder, or {"vertices": ..., "triangles":
 /// ...}.
 Mesh read_mesh_of(const JsonValue& value, std::string_view model) {
   const auto file = value.find("file");
   value.check_keys(file ? std::initializer_list<std::string_view>{"file", "scale"}
                         : std::initializer_list<std::string_view>{"vertices", "triangles", "scale"});
-  Mesh mesh = file ? read_mesh(std::filesystem::path(model).parent_path() / file->name()) : read_inline_mesh(value);
+  Mesh mesh = file ? read_mesh(beside(model, file->name())) : read_inline_mesh(value);
   if (const auto factor = value.find("scale")) scale(mesh, *factor);
   return mesh;
 }
@@ -417,7 +422,7 @@ void add_rest(InputFile& file, Sha256& hash) {
   }
 }
 
-/// The files of the primitives' meshes, in their order. None of what is no model: that is told by who reads it.
+/// The files of the primitives' meshes, in their order. Empty for a file that is no model: its reader says so.
 std::vector<std::filesystem::path> meshes_named_by(std::string_view json, const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files;
   const nlohmann::json document = nlohmann::json::parse(json, nullptr, false);
@@ -426,7 +431,7 @@ std::vector<std::filesystem::path> meshes_named_by(std::string_view json, const 
     if (!primitive.is_object() || !primitive.contains("mesh")) continue;
     const nlohmann::json& mesh = primitive["mesh"];
     if (!mesh.is_object() || !mesh.contains("file") || !mesh["file"].is_string()) continue;
-    files.push_back(path.parent_path() / mesh["file"].get<std::string>());
+    files.push_back(beside(path, mesh["file"].get<std::string>()));
   }
   return files;
 }

@@ -371,12 +371,8 @@ CertifiedSurface certified_mesh(const Primitive& primitive, const Mesh& others, 
                                 const AllowedWidth& allowed, std::size_t bytes, const SeenInterruption& interrupted,
                                 const std::function<void(double)>& progress) {
   const Mesh& own = *primitive.mesh;
-  const verify::PlacedMesh seen = verify::placed(others, verify::RigidMotion(primitive.pose).inverse());
-  const verify::TriangleTree tree(verify::triangles_of(seen.mesh));
-  const auto at = [&](const Point& x) {
-    const Enclosure distance = verify::widened(tree.nearest(x).distance, seen.displacement);
-    return CertifiedEnclosure{{std::max(0.0, distance.lo), distance.hi}, {}};
-  };
+  const verify::SeenTriangles seen(others, primitive.pose);
+  const auto at = [&](const Point& x) { return CertifiedEnclosure{seen.distance(x), {}}; };
   const auto never_convex = [](const Point&, double, const Certificate&) { return false; };
   DeviationProver prover({at, never_convex, false, share_of_samples * allowed(found.largest.lo)}, found, allowed,
                          interrupted);

@@ -155,17 +155,6 @@ Enclosure larger(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
 }
 
-/// Distances to triangles, which may be open; each holds for all points within `displacement`, too.
-verify::SignedDistances distances_to(const verify::TriangleTree& triangles, double displacement) {
-  return [&triangles, displacement](std::span<const Point> points, std::span<Enclosure> rows) {
-    in_parallel(points.size(), [&](std::size_t i) {
-      rows[i] = verify::widened(triangles.nearest(points[i]).distance, displacement);
-      rows[i].lo = std::max(0.0, rows[i].lo);
-    });
-    return true;
-  };
-}
-
 /// How far the surface of a model that is one mesh lies from another mesh. It is searched in its own frame, so that
 /// areas are those of its own triangles: the other mesh is moved there, and rounded.
 class SurfaceOfMesh {
@@ -173,12 +162,13 @@ class SurfaceOfMesh {
   SurfaceOfMesh(const Primitive& primitive, const Mesh& others, verify::DeviationSearch search)
       : motion_(primitive.pose),
         surface_(*primitive.mesh),
-        seen_(verify::is_at_rest(primitive.pose) ? verify::PlacedMesh{others}
-                                                 : verify::placed(others, motion_.inverse())),
-        triangles_(verify::triangles_of(seen_.mesh)),
+        seen_(others, primitive.pose),
         search_(std::move(search)),
         at_vertices_(surface_.vertices.size()) {
-    search_.to_model = distances_to(triangles_, seen_.displacement);
+    search_.to_model = [this](std::span<const Point> points, std::span<Enclosure> rows) {
+      in_parallel(points.size(), [&](std::size_t i) { rows[i] = seen_.distance(points[i]); });
+      return true;
+    };
     search_.to_model(surface_.vertices, at_vertices_);
     of_mesh_.emplace(surface_, at_vertices_, search_);
     of_mesh_->search_largest();
@@ -196,8 +186,7 @@ class SurfaceOfMesh {
  private:
   verify::RigidMotion motion_;
   const Mesh& surface_;
-  verify::PlacedMesh seen_;
-  verify::TriangleTree triangles_;
+  verify::SeenTriangles seen_;
   verify::DeviationSearch search_;
   std::vector<Enclosure> at_vertices_;
   std::optional<verify::MeshSearch> of_mesh_;

@@ -12,6 +12,7 @@
 #include <verisq/octree.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/grown_octree.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/search/set_tree.hpp"
@@ -87,24 +88,6 @@ TEST(MeshOctree, OfDifferencesOfMeshes) {
   EXPECT_GT(mixed.volume.hi, of_outer.lo - 4.0 / 3.0 * 3.1416 * 0.421875);
 }
 
-/// The cubes of a model, and their root.
-struct Grown {
-  OctreeRoot root;
-  std::vector<OctreeCube> cubes;
-};
-
-Grown cubes_of(const Model& model, int depth) {
-  OctreeOptions options;
-  options.depth = depth;
-  options.device = "host";
-  Grown grown;
-  const auto keep = [&](std::span<const OctreeCube> cubes) {
-    grown.cubes.insert(grown.cubes.end(), cubes.begin(), cubes.end());
-  };
-  grown.root = OctreeBuilder(model, options).build(keep).root;
-  return grown;
-}
-
 /// Unions, differences and intersections, in their place and turned.
 std::vector<Model> checked_models() {
   const Pose pose{{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}};
@@ -121,8 +104,8 @@ std::vector<Model> checked_models() {
 
 TEST(MeshOctreeChecker, ProvesEveryCubeAndTheVolume) {
   for (const Model& model : checked_models()) {
-    const auto [root, cubes] = cubes_of(model, 4);
-    const OctreeChecker checker(model, root, cubes);
+    const auto [summary, cubes] = grow(model, 4);
+    const OctreeChecker checker(model, summary.root, cubes);
     std::size_t black = 0;
     for (const ColouredCube& cube : checker.cubes()) {
       EXPECT_TRUE(checker.proves(cube));
@@ -139,17 +122,17 @@ TEST(MeshOctreeChecker, ProvesEveryCubeAndTheVolume) {
 /// Cubes through which the surface goes, and those of the other colour.
 TEST(MeshOctreeChecker, ProvesNoFalseColour) {
   for (const Model& model : checked_models()) {
-    const auto [root, cubes] = cubes_of(model, 4);
+    const auto [summary, cubes] = grow(model, 4);
     std::vector<OctreeCube> black = cubes;
     for (OctreeCube& cube : black) cube.colour = CubeColour::black;
-    const OctreeChecker of_black(model, root, black);
+    const OctreeChecker of_black(model, summary.root, black);
     std::size_t proved = 0;
     for (const ColouredCube& cube : of_black.cubes()) {
       proved += cube.colour == CubeColour::black && of_black.proves(cube) ? 1 : 0;
     }
     const auto truly = static_cast<std::size_t>(std::ranges::count(cubes, CubeColour::black, &OctreeCube::colour));
     EXPECT_GE(proved, truly);
-    const OctreeChecker of_white(model, root, {});
+    const OctreeChecker of_white(model, summary.root, {});
     std::size_t white = 0;
     for (const OctreeCube& cube : cubes) {
       const double half = std::ldexp(1.0, -cube.level);
@@ -170,8 +153,8 @@ TEST(MeshOctreeChecker, ProvesNoFalseColour) {
 TEST(MeshOctreeChecker, ProvesNoColourOfCubesThroughWhichTheSurfaceGoes) {
   const Mesh mesh = torus_mesh(1.0, 0.4, 16, 8);
   const Model model{"", {mesh_primitive("torus", mesh)}};
-  const OctreeChecker checker(model, cubes_of(model, 1).root, {});
-  const OctreeRoot root = cubes_of(model, 1).root;
+  const OctreeRoot root = grow(model, 1).summary.root;
+  const OctreeChecker checker(model, root, {});
   for (const Point& vertex : mesh.vertices) {
     for (const double half : {0x1p-4, 0x1p-10, 0x1p-20}) {
       Point centre;

@@ -17,6 +17,7 @@
 #include <verisq/files.hpp>
 #include <verisq/octree.hpp>
 
+#include "tests/fixtures/grown_octree.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
@@ -28,22 +29,6 @@
 
 namespace verisq::testing {
 namespace {
-
-struct Grown {
-  OctreeSummary summary;
-  std::vector<OctreeCube> cubes;
-};
-
-Grown grow(const Model& model, int depth) {
-  OctreeOptions options;
-  options.depth = depth;
-  options.device = "host";
-  Grown grown;
-  OctreeBuilder builder(model, options);
-  grown.summary = builder.build(
-      [&](std::span<const OctreeCube> cubes) { grown.cubes.insert(grown.cubes.end(), cubes.begin(), cubes.end()); });
-  return grown;
-}
 
 Model random_model(std::size_t k) {
   oracle::RandomSolids random(700 + k);

@@ -33,6 +33,19 @@ namespace verisq::verify {
   return parent;
 }
 
+/// A vertex of each connected part of the triangles. Parts that only meet in a place have one each.
+[[nodiscard]] inline std::vector<Point> one_on_each_part(const Mesh& mesh) {
+  const std::vector<std::uint32_t> part = connected_parts(mesh);
+  std::vector<bool> seen(part.size(), false);
+  std::vector<Point> points;
+  for (const auto& triangle : mesh.triangles) {
+    const std::uint32_t corner = triangle[0];
+    if (!seen[part[corner]]) points.push_back(mesh.vertices[corner]);
+    seen[part[corner]] = true;
+  }
+  return points;
+}
+
 // Proves that triangles are a closed surface, and how it is oriented: winding numbers rest on both (docs/mathematics.md
 // §22).
 

@@ -69,17 +69,11 @@ DistanceSummary nothing_known(std::size_t percentiles) {
 DistanceSummary of_surface(const Primitive& primitive, const Mesh& others, const std::vector<TriangleProof>& proof,
                            std::span<const double> percentiles, verify::CheckSteps& steps) {
   const Mesh& own = *primitive.mesh;
-  const verify::PlacedMesh seen = verify::placed(others, verify::RigidMotion(primitive.pose).inverse());
-  if (!(seen.displacement < infinity)) return nothing_known(percentiles.size());
-  const verify::TriangleTree tree(verify::triangles_of(seen.mesh));
-  const auto distance = [&](const Point& x) {
-    const Enclosure to_seen = verify::widened(tree.nearest(x).distance, seen.displacement);
-    return Enclosure{std::max(0.0, to_seen.lo), to_seen.hi};
-  };
-  const verify::SampleProofs proofs{[&](const Point& x, const CertifiedEnclosure&) { return distance(x); },
+  const verify::SeenTriangles seen(others, primitive.pose);
+  const verify::SampleProofs proofs{[&](const Point& x, const CertifiedEnclosure&) { return seen.distance(x); },
                                     [](const Point&, double, const Certificate&) { return false; }, false};
   std::vector<Enclosure> rows(own.vertices.size());
-  steps.each(rows.size(), [&](std::size_t i) { rows[i] = distance(own.vertices[i]); });
+  steps.each(rows.size(), [&](std::size_t i) { rows[i] = seen.distance(own.vertices[i]); });
   std::vector<TriangleDistances> triangles(own.triangles.size());
   steps.each(triangles.size(), [&](std::size_t n) {
     const auto& [a, b, c] = own.triangles[n];
@@ -89,7 +83,7 @@ DistanceSummary of_surface(const Primitive& primitive, const Mesh& others, const
   return of_triangles(own, rows, triangles, percentiles);
 }
 
-/// The steps of that work; 0 for a proof that is not of this model.
+/// The steps of that work; 0 for a proof that is not of this model, which proves nothing.
 std::size_t steps_of_surface(const Model& model, const SurfaceProof& proof) {
   const bool is_mesh = model.primitives.size() == 1 && model.primitives.front().mesh;
   if (!is_mesh || model.primitives.front().mesh->triangles.size() != proof.triangles.size()) return 0;
@@ -147,15 +141,13 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
     triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
                                         {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
   });
-  if (of_model > 0) {
+  const Model& model = state_->samples.model();
+  if (surface && has_mesh(model) && !rows.empty()) {
     const DistanceSummary proven =
-        of_surface(state_->samples.model().primitives.front(), mesh, surface->triangles, options.percentiles, steps);
+        of_model > 0 ? of_surface(model.primitives.front(), mesh, surface->triangles, options.percentiles, steps)
+                     : nothing_known(options.percentiles.size());
     result.from_model = proven.largest;
     if (options.statistics_of_model) result.statistics_from_model = {proven.mean, proven.percentiles};
-  } else if (surface && has_mesh(state_->samples.model())) {
-    result.from_model = {0.0, infinity};
-    if (options.statistics_of_model)
-      result.statistics_from_model = {{0.0, infinity}, {options.percentiles.size(), {0.0, infinity}}};
   } else if (surface && !rows.empty()) {
     const verify::ProvenSurface proven =
         verify::proven_surface(verify::triangles_of(mesh), *surface, options, state_->samples, proofs.distance, steps);

@@ -15,38 +15,14 @@ namespace verisq::verify {
 
 namespace {
 
-using PreciseTriangle = std::array<PreciseVector, 3>;
-
-// Ways between points of two triangles. A way that ends in both is no shorter than the distance. Which way is short is
-// a proposal: it only decides how tight the bounds are.
-
-/// The share of a way along which it is followed: any number of [0, 1] proves as much.
-PreciseInterval share(const PreciseInterval& way, const PreciseInterval& whole) {
-  if (!(whole.lower() > Real(0))) return {0};
-  return {std::clamp((way / whole).lower(), Real(0), Real(1))};
-}
-
-/// From a point of the side between both corners.
-PreciseVector way_from_side(const PreciseVector& from, const PreciseVector& to, const PreciseVector& x) {
-  const PreciseVector side = to - from;
-  const PreciseVector way = x - from;
-  return way - side * share(way.dot(side), side.dot(side));
-}
-
-/// From a point of the triangle, about the nearest. Its shares of two sides are numbers with b, c >= 0 and b + c <= 1.
+/// From a point of the triangle, about the nearest.
 PreciseVector way_from_triangle(const PreciseTriangle& t, const PreciseVector& x) {
   const PreciseVector ab = t[1] - t[0];
   const PreciseVector ac = t[2] - t[0];
   const PreciseVector way = x - t[0];
-  const PreciseVector normal = cross(ab, ac);
-  const PreciseInterval square_of_normal = normal.dot(normal);
-  if (square_of_normal.lower() > Real(0)) {
-    const Real b = (normal.dot(cross(way, ac)) / square_of_normal).lower();
-    const Real c = (normal.dot(cross(ab, way)) / square_of_normal).lower();
-    if (b >= Real(0) && c >= Real(0) && add(b, c, Direction::up) <= Real(1))
-      return way - (ab * PreciseInterval(b) + ac * PreciseInterval(c));
-  }
-  const std::array sides{way_from_side(t[0], t[1], x), way_from_side(t[1], t[2], x), way_from_side(t[2], t[0], x)};
+  if (const auto from_face = way_from_face(way, ab, ac, cross(ab, ac))) return *from_face;
+  const std::array sides{way_from_side(way, ab), way_from_side(way, ac),
+                         way_from_side(PreciseVector(x - t[1]), PreciseVector(t[2] - t[1]))};
   return *std::ranges::min_element(sides, {}, [](const PreciseVector& v) { return length<Real>(v).upper(); });
 }
 
@@ -145,10 +121,6 @@ Ball rounded_ball(const PreciseVector& centre, double radius) {
   return ball;
 }
 
-PreciseTriangle exactly(const Triangle& triangle) {
-  return {precise(triangle[0]), precise(triangle[1]), precise(triangle[2])};
-}
-
 PreciseTriangle moved(const Triangle& triangle, const RigidMotion& motion) {
   return {motion(precise(triangle[0])), motion(precise(triangle[1])), motion(precise(triangle[2]))};
 }
@@ -206,7 +178,7 @@ class Meshes {
     const RigidMotion a_to_b = b_to_a_.inverse();
     bool is_apart = true;
     const auto look = [&](const MeshSolid& from, const MeshSolid& to, const RigidMotion& motion) {
-      return std::ranges::any_of(from.on_surfaces(), [&](const Point& x) {
+      return std::ranges::any_of(from.on_parts(), [&](const Point& x) {
         const Enclosure place = to.signed_distance_of(motion(precise(x)));
         is_apart = is_apart && place.lo > 0.0;
         return place.hi <= 0.0;
@@ -236,7 +208,7 @@ class Meshes {
       const PreciseTriangle triangle = moved(b_.tree().triangle(n), b_to_a_);
       Enclosure found{infinity, infinity};
       for (const std::uint32_t k : tree.within(balls[n].centre, add(asked, balls[n].radius, Direction::up)))
-        found = least_of(found, in_binary64(distance_of(exactly(tree.triangle(k)), triangle)));
+        found = least_of(found, in_binary64(distance_of(corners_of(tree.triangle(k)), triangle)));
       return found;
     });
   }
@@ -277,15 +249,17 @@ class MeshAndSuperquadric {
       const Real lower = (apart - PreciseInterval(Real(ball.radius))).lower();
       candidates.push_back({lower.to_double(Direction::down), n});
     }
+    const RigidMotion to_mesh = to_solid_.inverse();
     const Enclosure found = least_distance(candidates, infinity, interrupted, [&](std::uint32_t n, double /*asked*/) {
-      return distance_of_triangle(moved(mesh_.tree().triangle(n), to_solid_));
+      return distance_of_triangle(PosedTriangle(mesh_.tree().triangle(n), to_mesh));
     });
     return of_origin.lo > 0.0 ? found : Enclosure{0.0, found.hi};
   }
 
  private:
   /// A direction and a point of the superquadric, as proposed, prove the ends.
-  [[nodiscard]] Enclosure distance_of_triangle(const PreciseTriangle& triangle) const {
+  [[nodiscard]] Enclosure distance_of_triangle(const PosedTriangle& posed) const {
+    const PreciseTriangle& triangle = posed.corners();
     const auto holds = [&](const PreciseVector& x) { return solid_.bounds().gauge_up(x) <= Real(1); };
     if (std::ranges::any_of(triangle, holds)) return they_meet;
     const TriangleSet<long double> corners{
@@ -294,17 +268,8 @@ class MeshAndSuperquadric {
     const GjkResult<long double> proposed = gjk<long double>(set_, corners, LongPoint{});
     if (!has_ends(proposed.separation) || !has_ends(proposed.on_a)) return unknown;
     const PreciseVector on_solid = moved_into(solid_.bounds(), exactly(proposed.on_a));
-    return in_binary64({lower_by_direction(triangle, exactly(proposed.separation)),
-                        length<Real>(way_from_triangle(triangle, on_solid)).upper()});
-  }
-
-  /// The superquadric lies in {v·x <= h(v)}.
-  [[nodiscard]] Real lower_by_direction(const PreciseTriangle& triangle, const PreciseVector& v) const {
-    const PreciseInterval norm = length<Real>(v);
-    if (!(norm.lower() > Real(0))) return {0};
-    const Real least = std::min({v.dot(triangle[0]).lower(), v.dot(triangle[1]).lower(), v.dot(triangle[2]).lower()});
-    const PreciseInterval gap = PreciseInterval(least) - PreciseInterval(solid_.bounds().support_up(v));
-    return gap.lower() > Real(0) ? (gap / norm).lower() : Real(0);
+    return {std::max(0.0, lower_by_normal(solid_, posed, proposed.separation)),
+            length<Real>(way_from_triangle(triangle, on_solid)).upper().to_double(Direction::up)};
   }
 
   const MeshSolid& mesh_;
@@ -313,29 +278,17 @@ class MeshAndSuperquadric {
   RigidMotion to_solid_;
 };
 
-/// A superquadric in the own frame of another one, for proposals.
-struct SeenSet {
-  SuperquadricSet<long double> set;
-  std::array<LongPoint, 3> rows;
-  LongPoint translation;
-
-  SeenSet(const Superquadric& superquadric, const RigidMotion& motion)
-      : set(superquadric),
-        rows{in_long_double(motion.rotation.row(0)), in_long_double(motion.rotation.row(1)),
-             in_long_double(motion.rotation.row(2))},
-        translation(in_long_double(motion.translation)) {}
-
-  [[nodiscard]] LongPoint operator()(const LongPoint& v) const {
-    LongPoint own{};
-    for (std::size_t i = 0; i < 3; ++i) own[i] = v[0] * rows[0][i] + v[1] * rows[1][i] + v[2] * rows[2][i];
-    const LongPoint x = set(own);
-    return {dot(rows[0], x) + translation[0], dot(rows[1], x) + translation[1], dot(rows[2], x) + translation[2]};
-  }
-};
+/// For proposals.
+ApproximateMotion<long double> approximate(const RigidMotion& motion) {
+  return {{in_long_double(motion.rotation.row(0)), in_long_double(motion.rotation.row(1)),
+           in_long_double(motion.rotation.row(2))},
+          in_long_double(motion.translation)};
+}
 
 Enclosure distance_of(const PairBounds& pair) {
   const SuperquadricSet<long double> a(pair.a().superquadric());
-  const SeenSet b(pair.b().superquadric(), pair.relative());
+  const PosedSet<long double, SuperquadricSet<long double>> b(SuperquadricSet<long double>(pair.b().superquadric()),
+                                                              approximate(pair.relative()));
   const GjkResult<long double> proposed = gjk<long double>(a, b, LongPoint{});
   if (!has_ends(proposed.separation) || !has_ends(proposed.on_a) || !has_ends(proposed.on_b)) return unknown;
   const PreciseVector on_b = pair.relative().inverse()(exactly(proposed.on_b));
@@ -355,14 +308,6 @@ bool holds(const MeshModel& model, const PreciseVector& x) {
     if (model.others.primitives[i].bounds().gauge_up(own) <= Real(1)) return true;
   }
   return false;
-}
-
-/// A sphere about the mesh, in the frame to which the motion leads.
-EnclosingSphere sphere_about(const MeshSolid& mesh, const RigidMotion& motion) {
-  const PreciseVector lower = precise(mesh.tree().lower());
-  const PreciseVector upper = precise(mesh.tree().upper());
-  const PreciseInterval half(Real(0.5));
-  return {motion((lower + upper) * half), length<Real>(PreciseVector(upper - lower)) * half};
 }
 
 /// Checks the whole model, too.
@@ -391,7 +336,8 @@ Enclosure MeshPairChecker::distance(const ShortMotion& motion, const std::option
   Enclosure found{infinity, infinity};
   for (const MeshSolid& b : b_.meshes) {
     const RigidMotion b_to_a = pose.after(b.motion());
-    found = least_of(found, moving(from_a(b, b_to_a, interrupted), motion.way_of(sphere_about(b, b_to_a))));
+    const auto [centre, radius] = b.sphere();
+    found = least_of(found, moving(from_a(b, b_to_a, interrupted), motion.way_of({b_to_a(centre), radius})));
   }
   for (std::size_t j = 0; j < b_.others.primitives.size(); ++j) {
     const PosedSuperquadric& b = b_.others.primitives[j];

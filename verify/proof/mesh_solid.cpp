@@ -47,12 +47,6 @@ bool is_one_point(const PreciseVector& v) {
   return v[0].lower() == v[0].upper() && v[1].lower() == v[1].upper() && v[2].lower() == v[2].upper();
 }
 
-using PreciseTriangle = std::array<PreciseVector, 3>;
-
-PreciseTriangle corners_of(const Triangle& triangle) {
-  return {precise(triangle[0]), precise(triangle[1]), precise(triangle[2])};
-}
-
 // The distance of a point from a triangle. The point is any of its enclosure.
 
 /// Both are at least 0.
@@ -87,29 +81,14 @@ struct Seen {
   }
 };
 
-/// Where the foot on the plane has shares b, c >= 0 with b + c <= 1. These shares are numbers near those of the foot:
-/// their point is exactly one of the triangle. The enclosed normal holds the plane's own, so that one corner tells how
-/// far the plane is.
+/// The enclosed normal holds the plane's own, so that one corner tells how far the plane is.
 template <class T>
 std::optional<Bounds<T>> bounds_by_face(const Seen<T>& seen) {
   const Vector3<T> normal = cross(seen.ab, seen.ac);
-  const BasicInterval<T> square_of_normal = square(normal[0]) + square(normal[1]) + square(normal[2]);
-  if (!(square_of_normal.lower() > T(0))) return std::nullopt;
-  const T b = (normal.dot(cross(seen.ways[0], seen.ac)) / square_of_normal).lower();
-  const T c = (normal.dot(cross(seen.ab, seen.ways[0])) / square_of_normal).lower();
-  if (!(b >= T(0) && c >= T(0) && add(b, c, Direction::up) <= T(1))) return std::nullopt;
-  const Vector3<T> way = seen.ways[0] - (seen.ab * BasicInterval<T>(b) + seen.ac * BasicInterval<T>(c));
-  const BasicInterval<T> to_plane = abs(normal.dot(seen.ways[0])) / sqrt(square_of_normal);
-  return Bounds<T>{to_plane.lower(), length<T>(way).upper()};
-}
-
-/// The way to the point from the nearest point of a side, about: exactly from a point of the side.
-template <class T>
-Vector3<T> way_from_side(const Vector3<T>& way, const Vector3<T>& side) {
-  const BasicInterval<T> whole = side.dot(side);
-  if (!(whole.lower() > T(0))) return way;  // both ends in one place
-  const T share = (way.dot(side) / whole).lower();
-  return way - side * BasicInterval<T>(std::clamp(share, T(0), T(1)));
+  const std::optional<Vector3<T>> way = way_from_face(seen.ways[0], seen.ab, seen.ac, normal);
+  if (!way) return std::nullopt;
+  const BasicInterval<T> to_plane = abs(normal.dot(seen.ways[0])) / length<T>(normal);
+  return Bounds<T>{to_plane.lower(), length<T>(*way).upper()};
 }
 
 /// With n the shortest of the ways from the three sides: the triangle is at least the least n·(q - v)/|n| away, v its
@@ -258,18 +237,6 @@ std::vector<Triangle> closed_triangles(const Mesh& mesh) {
   return triangles_of(mesh);
 }
 
-/// Parts that only meet in a place have a vertex each.
-std::vector<Point> one_on_each_surface(const Mesh& mesh) {
-  const std::vector<std::uint32_t> part = connected_parts(mesh);
-  std::vector<bool> seen(part.size(), false);
-  std::vector<Point> points;
-  for (const auto& [corner, b, c] : mesh.triangles) {
-    if (!seen[part[corner]]) points.push_back(mesh.vertices[corner]);
-    seen[part[corner]] = true;
-  }
-  return points;
-}
-
 /// A box of binary64 numbers about the point.
 struct Box {
   Point lower, upper;
@@ -285,9 +252,7 @@ struct Box {
 }  // namespace
 
 MeshSolid::MeshSolid(const Primitive& primitive)
-    : motion_(primitive.pose),
-      tree_(closed_triangles(*primitive.mesh)),
-      on_surfaces_(one_on_each_surface(*primitive.mesh)) {}
+    : motion_(primitive.pose), tree_(closed_triangles(*primitive.mesh)), on_parts_(one_on_each_part(*primitive.mesh)) {}
 
 std::optional<int> MeshSolid::winding_number(const PreciseVector& own, std::size_t axis, bool upward) const {
   Box ray(own);
@@ -419,6 +384,13 @@ Place MeshSolid::place_of_cube(const PreciseVector& centre, const Real& half_wid
   return std::ranges::all_of(tree_.overlapping(lower, upper), is_off) ? place : Place::undecided;
 }
 
+EnclosingSphere MeshSolid::sphere() const {
+  const PreciseVector lower = precise(tree_.lower());
+  const PreciseVector upper = precise(tree_.upper());
+  const PreciseInterval half(Real(0.5));
+  return {(lower + upper) * half, length<Real>(PreciseVector(upper - lower)) * half};
+}
+
 PlacedMesh placed(const Mesh& mesh, const RigidMotion& motion) {
   PlacedMesh result{mesh};
   for (Point& vertex : result.mesh.vertices) {
@@ -428,6 +400,19 @@ PlacedMesh placed(const Mesh& mesh, const RigidMotion& motion) {
     result.displacement = std::max(result.displacement, off.to_double(Direction::up));
   }
   return result;
+}
+
+SeenTriangles::SeenTriangles(const Mesh& mesh, const Pose& of_primitive) {
+  const PlacedMesh seen = placed(mesh, RigidMotion(of_primitive).inverse());
+  displacement_ = seen.displacement;
+  if (displacement_ < infinity) tree_.emplace(triangles_of(seen.mesh));
+}
+
+Enclosure SeenTriangles::distance(const Point& own) const {
+  if (!tree_) return {0.0, infinity};
+  const Enclosure distance = tree_->nearest(own).distance;
+  return {std::max(0.0, subtract(distance.lo, displacement_, Direction::down)),
+          add(distance.hi, displacement_, Direction::up)};
 }
 
 }  // namespace verisq::verify

@@ -136,11 +136,8 @@ bool CubePlaces::lies(Place wanted, const PreciseVector& centre, const Real& hal
 
 Real CubePlaces::reach(const PreciseVector& centre) const {
   const auto of_mesh = [&](const MeshSolid& mesh) {
-    const PreciseVector lower = precise(mesh.tree().lower());
-    const PreciseVector upper = precise(mesh.tree().upper());
-    const PreciseInterval half(Real(0.5));
-    const PreciseVector middle = mesh.motion()((lower + upper) * half);
-    return length<Real>(PreciseVector(middle - centre)) + length<Real>(PreciseVector(upper - lower)) * half;
+    const auto [own, radius] = mesh.sphere();
+    return length<Real>(PreciseVector(mesh.motion()(own) - centre)) + radius;
   };
   const auto of_primitive = [&](const auto& solid) {
     return length<Real>(PreciseVector(solid.motion().translation - centre)) + solid.radius();

@@ -148,6 +148,9 @@ template <class Float>
 class ApproximateMotion {
  public:
   explicit ApproximateMotion(const Pose& pose);
+  /// By the rows of R and t.
+  ApproximateMotion(const std::array<Coordinates<Float>, 3>& rows, const Coordinates<Float>& translation)
+      : rows_(rows), translation_(translation) {}
   /// The motion from the primitive's own frame, whose origin is its focus.
   [[nodiscard]] static ApproximateMotion of_own_frame(const Primitive& primitive);
 

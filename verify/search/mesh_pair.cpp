@@ -386,21 +386,17 @@ namespace {
 /// A mesh of a model, with what pairs ask of it.
 struct Solid {
   explicit Solid(const MeshUnion::Part& part, const Mesh& mesh)
-      : placed(&part.mesh), motion(motion_of(part.mesh)), triangles(triangles_of(mesh)) {
-    const std::vector<std::uint32_t> component = connected_parts(mesh);
-    std::vector<bool> seen(component.size(), false);
-    for (const auto& triangle : mesh.triangles) {
-      const std::uint32_t root = component[triangle[0]];
-      if (!seen[root]) on_components.push_back(mesh.vertices[triangle[0]]);
-      seen[root] = true;
-    }
+      : placed(&part.mesh),
+        motion(motion_of(part.mesh)),
+        triangles(triangles_of(mesh)),
+        on_parts(one_on_each_part(mesh)) {
     for (const Triangle& triangle : triangles) largest = std::max(largest, largest_coordinate(triangle));
   }
 
   const PosedMesh* placed;
   RigidMotion motion;  ///< to the model's frame
   std::vector<Triangle> triangles;
-  std::vector<Point> on_components;  ///< a vertex of each part of the surface, in the own frame
+  std::vector<Point> on_parts;  ///< a vertex of each part of the surface, in the own frame
   double largest = 0.0;
 };
 
@@ -461,8 +457,8 @@ class MeshesApart {
   /// part would have a boundary, in one surface and in the other solid.
   [[nodiscard]] MeshPair operator()(const std::function<bool()>& interrupted) const {
     if (!to_b_.is_ordinary(a_.largest) || !to_a_.is_ordinary(b_.largest)) return {{0.0, infinity}};
-    const Lie of_a = lie_of(a_.on_components, b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest));
-    const Lie of_b = lie_of(b_.on_components, a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest));
+    const Lie of_a = lie_of(a_.on_parts, b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest));
+    const Lie of_b = lie_of(b_.on_parts, a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest));
     if (of_a.meets() || of_b.meets()) return deepest_point(they_meet);
     const bool b_has_tree = b_.triangles.size() >= a_.triangles.size();
     Enclosure distance = b_has_tree ? of_surfaces(a_, b_, to_b_, interrupted) : of_surfaces(b_, a_, to_a_, interrupted);
