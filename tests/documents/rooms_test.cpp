@@ -29,15 +29,9 @@ const std::vector<std::string> trusted_rooms{"verify/numbers/", "verify/solids/"
 
 /// The files that prove rows of maps and octrees; for superquadrics, all of them.
 const std::vector<std::string> core_sources{
-    "verify/numbers/interval.cpp",
-    "verify/proof/checker.cpp",
-    "verify/proof/contained_ball.cpp",
-    "verify/proof/empty_neighbourhood.cpp",
-    "verify/proof/exact_checker.cpp",
-    "verify/proof/posed_superquadric.cpp",
-    "verify/proof/uncertain_model.cpp",
-    "verify/solids/model.cpp",
-    "verify/solids/superquadric.cpp",
+    "verify/numbers/interval.cpp",          "verify/proof/checker.cpp",       "verify/proof/contained_ball.cpp",
+    "verify/proof/empty_neighbourhood.cpp", "verify/proof/exact_checker.cpp", "verify/proof/posed_superquadric.cpp",
+    "verify/proof/uncertain_model.cpp",     "verify/solids/model.cpp",        "verify/solids/superquadric.cpp",
 };
 
 bool is_public(const std::string& file) {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "verify/search/triangle_geometry.hpp"
 #include "verify/proof/mesh_solid.hpp"
+#include "verify/search/triangle_geometry.hpp"
 #include "verify/search/wide_tree.hpp"
 #include "verify/solids/closed_edges.hpp"
 #include "verify/solids/superquadric.hpp"
