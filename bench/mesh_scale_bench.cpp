@@ -56,11 +56,11 @@ std::vector<Specimen> specimens(const ScratchFolder& scratch) {
 
 /// One whole run of the program. "seconds" of its summary runs from the first point to the last row written; reading
 /// the mesh and starting OpenCL come on top in process_seconds.
-void map_row(benchmark::State& state, const std::string& model, const std::string& option, const std::string& points,
+void map_row(benchmark::State& state, const std::string& model, const std::string& option, const std::string& asked,
              const std::string& map) {
   for (auto _ : state) {
     const ChildReport child =
-        run_child({VERISQ_PROGRAM, "map", "--model", model, option, points, "--no-progress", "--json", "-o", map});
+        run_child({VERISQ_PROGRAM, "map", "--model", model, option, asked, "--no-progress", "--json", "-o", map});
     if (child.exit_status != 0 && child.exit_status != some_wide) {
       state.SkipWithError(fmt::format("verisq map ended with status {}", child.exit_status).c_str());
       return;

@@ -182,16 +182,24 @@ TEST(TrianglePair, EnclosesTheExactDistanceOfTwoSides) {
   }
 }
 
-/// So near that no plane is proven to part them; yet they do not meet.
-TEST(TrianglePair, SaysNothingOfSidesThatPassCloselyBeside) {
-  const double least = 0x1p-51;
-  const Triangle flat{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
-  const Point beside{2 + least, 2 + least, 0};
-  const Triangle through{{{beside[0], beside[1], -1}, {beside[0], beside[1], 1}, {5, 5, 5}}};
-  const Triangle in_plane{{beside, {5, 5, 0}, {5, 4, 0}}};
-  for (const Triangle& other : {through, in_plane}) {
-    EXPECT_GE(distance_of_triangles(flat, other).hi, least);
-    EXPECT_GE(distance_of_triangles(other, flat).hi, least);
+/// In one plane, or tilted across it by little: no normal of theirs parts them, and the way between them is rounded too
+/// much. Sides that pass through the other's plane pass beside the other.
+TEST(TrianglePair, DoesNotMeetBesideInOnePlane) {
+  Random random(21);
+  const double gap = 0x1p-30;
+  for (int n = 0; n < 500; ++n) {
+    const double angle = random.uniform(0.1, 1.4);
+    const Point x{std::cos(angle), std::sin(angle), 0.0};
+    const Point y{-x[1], x[0], 0.0};
+    const Point foot{random.uniform(-8, 8), random.uniform(-8, 8), 0.0};
+    const auto at = [&](double u, double v, double height) {
+      return along(along(along(foot, x, u), y, v), {0.0, 0.0, 1.0}, height);
+    };
+    const double tilt = n % 2 == 0 ? 0.0 : 0x1p-45;
+    const Triangle flat{at(0, -3, 0), at(0, 4, 0), at(-5, 0.5, 0)};
+    const Triangle beside{at(gap, random.uniform(-2, 3), tilt), at(4, 2, -tilt), at(5, -3, tilt)};
+    EXPECT_GE(distance_of_triangles(flat, beside).hi, 0.99 * gap) << n;
+    EXPECT_GE(distance_of_triangles(beside, flat).hi, 0.99 * gap) << n;
   }
 }
 
@@ -449,6 +457,30 @@ TEST(MeshPairDistance, SaysNothingOfCornersThatAlmostTouch) {
   EXPECT_GE(MeshTriangleDistance(a)(above).hi, gap);
 }
 
+/// The middle of a triangle is rounded, by 2^-22 here: where it lies in the ball, the triangle may still not.
+TEST(MeshPairDistance, SaysNothingOfMiddlesThatRoundingMoves) {
+  Random random(22);
+  const double gap = 0x1p-30;
+  const double place = 1.75 * 0x1p30;
+  for (int n = 0; n < 200; ++n) {
+    const std::array<double, 3> d{std::floor(random.uniform(0, 0x1p27)) * 0x1p-22,
+                                  std::floor(random.uniform(0, 0x1p27)) * 0x1p-22,
+                                  std::floor(random.uniform(0, 0x1p27)) * 0x1p-22};
+    // A triangle in the plane x + y = 2 place.
+    const Mesh wall = tetrahedron_of({{{place + d[0], place - d[0], -1},
+                                       {place + d[1], place - d[1], -1},
+                                       {place + d[2], place - d[2], 2},
+                                       {place - 99, place - 99, 0}}});
+    const double middle = std::floor((d[0] + d[1] + d[2]) / 3 * 0x1p22) * 0x1p-22;
+    const double aside = 0.75;  // along x and along y
+    const double radius = std::sqrt(2.0) * aside - gap;
+    const Point centre{place + middle + aside, place - middle + aside, 0.0};
+    const Model ball{"", {{"ball", {{radius, radius, radius}, {1, 1}}, {.translation = centre}}}};
+    const Model solid{"", {mesh_primitive("wall", wall)}};
+    EXPECT_GE(MeshPairDistance(solid, ball).searched({}, {.tolerance = 0.0}).distance.hi, 0.99 * gap) << n;
+  }
+}
+
 /// Whoever moves one solid by that much leaves them meeting.
 TEST(MeshPairDistance, DepthIsNoMoreThanTheyOverlap) {
   const auto never = [] { return false; };
@@ -457,7 +489,9 @@ TEST(MeshPairDistance, DepthIsNoMoreThanTheyOverlap) {
   EXPECT_LE(depth, 0.5);
   EXPECT_GE(depth, 0.5 - 1e-12);
   const Model ball{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
-  const double in_ball = MeshPairDistance(box, ball)({.translation = {1.75, 0.0, 0.0}}, never).depth;
+  Mesh beside = cube();
+  for (Point& vertex : beside.vertices) vertex[0] += 1.75;
+  const double in_ball = MeshPairDistance({"", {mesh_primitive("beside", beside)}}, ball)({}, never).depth;
   EXPECT_LE(in_ball, 1.0 - std::sqrt(0.75L * 0.75L + 2.0L / 9.0L));  // of the middles of the face's triangles
   EXPECT_GT(in_ball, 0.0);
 }

@@ -185,6 +185,12 @@ Ball ball_about(const Triangle& triangle) {
   return ball;
 }
 
+/// Bounds how far the centre of a ball about a triangle with no larger coordinate is from its middle: three quotients
+/// and two sums round a coordinate by less than 4 u of it.
+double rounding_of_middle(double largest) {
+  return 0x1p-50 * largest;
+}
+
 /// Searches the pairs of near triangles; all others are farther than the upper end.
 class NearestTriangles {
  public:
@@ -444,10 +450,15 @@ class MeshesApart {
  private:
   /// A point of one surface that lies deep in the other solid stays there if that moves by less.
   [[nodiscard]] MeshPair deepest_point(const Enclosure& distance) const {
-    const Lie of_a = lie_of(points_on(a_), b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest) + off(a_), true);
-    const Lie of_b = lie_of(points_on(b_), a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest) + off(b_), true);
+    const Lie of_a = lie_of(points_on(a_), b_.placed->mesh(), to_b_, off(a_, to_b_), true);
+    const Lie of_b = lie_of(points_on(b_), a_.placed->mesh(), to_a_, off(b_, to_a_), true);
     if (!of_a.meets() && !of_b.meets()) return {distance};
     return {they_meet, std::max(of_a.deepest, of_b.deepest)};
+  }
+
+  /// Of its points, from their exact places in the other frame.
+  static double off(const Solid& solid, const RoundedMotion& motion) {
+    return (Interval(motion.displacement(solid.largest)) + Interval(rounding_of_middle(solid.largest))).upper();
   }
 
   /// A corner of each triangle, and its middle: where solids are aligned, corners may touch, and not lie deeper.
@@ -459,9 +470,6 @@ class MeshesApart {
     }
     return points;
   }
-
-  /// A middle is rounded: three quotients and two sums by less than 4 u of a coordinate.
-  static double off(const Solid& solid) { return 0x1p-50 * solid.largest; }
 
   static Enclosure of_surfaces(const Solid& from, const Solid& to, const RoundedMotion& motion,
                                const std::function<bool()>& interrupted) {
@@ -490,11 +498,12 @@ class MeshAndSuperquadrics {
     const std::vector<Triangle> triangles = motion_(solid_.triangles);
     const double displacement = motion_.displacement(solid_.largest);
     std::vector<std::pair<double, std::size_t>> order;  // by a lower end
-    double depth = -1.0;                                // of a corner in a superquadric
+    double depth = -1.0;                                // of a middle in a superquadric
     for (std::size_t n = 0; n < triangles.size(); ++n) {
       const Ball ball = ball_about(triangles[n]);
       const Enclosure at_centre = (*superquadrics_.of_points)(ball.centre, infinity);
-      depth = std::max(depth, (Interval(-at_centre.hi) - Interval(displacement)).lower());
+      const Interval off = Interval(displacement) + Interval(rounding_of_middle(largest_coordinate(triangles[n])));
+      depth = std::max(depth, (Interval(-at_centre.hi) - off).lower());
       order.emplace_back((Interval(at_centre.lo) - Interval(ball.radius)).lower(), n);
     }
     if (depth >= 0.0) return {they_meet, depth};
