@@ -195,7 +195,7 @@ TEST(TrianglePair, DoesNotMeetBesideInOnePlane) {
     const auto at = [&](double u, double v, double height) {
       return along(along(along(foot, x, u), y, v), {0.0, 0.0, 1.0}, height);
     };
-    const double tilt = n % 2 == 0 ? 0.0 : 0x1p-45;
+    const double tilt = n % 2 == 0 ? 0.0 : 0x1p-52;
     const Triangle flat{at(0, -3, 0), at(0, 4, 0), at(-5, 0.5, 0)};
     const Triangle beside{at(gap, random.uniform(-2, 3), tilt), at(4, 2, -tilt), at(5, -3, tilt)};
     EXPECT_GE(distance_of_triangles(flat, beside).hi, 0.99 * gap) << n;
@@ -494,6 +494,13 @@ TEST(MeshPairDistance, DepthIsNoMoreThanTheyOverlap) {
   const double in_ball = MeshPairDistance({"", {mesh_primitive("beside", beside)}}, ball)({}, never).depth;
   EXPECT_LE(in_ball, 1.0 - std::sqrt(0.75L * 0.75L + 2.0L / 9.0L));  // of the middles of the face's triangles
   EXPECT_GT(in_ball, 0.0);
+  // The middle of a sheet is 0.6 deep in the union of two balls.
+  const Mesh sheet{.vertices = {{0.8, -1, -1}, {0.8, 1, -1}, {0.8, 0, 2}}, .triangles = {{0, 1, 2}, {1, 0, 2}}};
+  Model balls = ball;
+  balls.primitives.push_back({"other", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {.translation = {1.6, 0.0, 0.0}}});
+  const double in_balls = MeshPairDistance({"", {mesh_primitive("sheet", sheet)}}, balls)({}, never).depth;
+  EXPECT_LE(in_balls, 0.6);
+  EXPECT_GT(in_balls, 0.0);
 }
 
 TEST(MeshPath, EnclosesTheSmallestDistanceAndTheFirstContact) {
