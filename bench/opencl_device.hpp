@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/device/opencl.hpp"
+#include "host/device/device.hpp"
 
 namespace verisq::bench {
 

@@ -8,7 +8,6 @@
 
 #include "host/device/device.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::bench {

@@ -1,6 +1,6 @@
 (** What the parts of a certificate prove about the signed distance s of a point q to any set K: normals, points of K,
     balls in K, bounding spheres, escapes; and what a normal proves of triangles and of pairs. docs/mathematics.md §2,
-    §6, §7, §12; verify/solids/superquadric.cpp, exact_checker.cpp, triangle_certificate.cpp, pair_bounds.cpp rely on
+    §6, §7, §12; verify/solids/superquadric.cpp, exact_checker.cpp, posed_superquadric.cpp, pair_bounds.cpp rely on
     it. *)
 From Coq Require Import Reals Lra Psatz Classical.
 From verisq Require Import vector signed_distance.

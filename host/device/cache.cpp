@@ -1,6 +1,4 @@
-/// This file implements cache.hpp.
-#include "host/device/cache.hpp"
-
+/// The cache of device.hpp.
 #include <fmt/format.h>
 
 #include <boost/crc.hpp>
@@ -13,6 +11,8 @@
 #include <random>
 #include <string_view>
 #include <system_error>
+
+#include "host/device/device.hpp"
 
 namespace verisq::device {
 namespace {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::device {

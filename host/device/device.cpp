@@ -12,10 +12,8 @@
 #include <mutex>
 #include <sstream>
 
-#include "host/device/cache.hpp"
 #include "host/device/opencl_library.hpp"
-#include "host/device/program.hpp"
-#include "host/device/self_test.hpp"
+#include "host/device/sample_operations.hpp"
 #include "host/threads/background_work.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/device/device.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/device/program_self_test.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/search/certified_distance.hpp"

@@ -1,6 +1,4 @@
 /// This file implements both ways of kernels to the host's memory.
-#include "host/device/host_memory.hpp"
-
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
@@ -9,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/device/point_pipe.hpp"
 #include "host/threads/parallel.hpp"
 
 namespace verisq::device {

@@ -16,9 +16,8 @@
 
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
-#include "host/device/host_memory.hpp"
-#include "host/device/program.hpp"
 #include "host/device/program_self_test.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verisq/error.hpp"

@@ -1,6 +1,4 @@
-/// This file implements program.hpp.
-#include "host/device/program.hpp"
-
+/// The programs and kernels of device.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 #include <limits>
 #include <mutex>
 
-#include "host/device/cache.hpp"
+#include "host/device/device.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::device {

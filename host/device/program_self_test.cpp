@@ -17,13 +17,11 @@
 #include <vector>
 #include <verisq/map.hpp>
 
-#include "host/device/cache.hpp"
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
-#include "host/device/host_memory.hpp"
 #include "host/device/point_pipe.hpp"
-#include "host/device/program.hpp"
 #include "host/device/query_batches.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/points.hpp"

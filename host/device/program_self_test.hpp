@@ -12,7 +12,6 @@
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/query_batches.hpp"
-#include "host/device/solid_batch.hpp"
 #include "host/threads/parallel.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"

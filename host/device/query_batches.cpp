@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/device/chunk_pipeline.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/device/program_self_test.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/proof/posed_superquadric.hpp"

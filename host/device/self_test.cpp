@@ -1,5 +1,4 @@
 /// This file implements the self-test of a device's arithmetic (docs/rounding.md §4).
-#include "host/device/self_test.hpp"
 
 #include <fmt/format.h>
 

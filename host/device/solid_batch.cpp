@@ -1,6 +1,4 @@
-/// This file implements solid_batch.hpp.
-#include "host/device/solid_batch.hpp"
-
+/// The batches of query_batches.hpp for models with bends or set operations.
 #include <algorithm>
 #include <array>
 #include <deque>
@@ -12,10 +10,11 @@
 #include <vector>
 
 #include "host/device/chunk_pipeline.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/device/program_self_test.hpp"
+#include "host/device/query_batches.hpp"
 #include "host/device/solid_model.hpp"
 #include "host/threads/parallel.hpp"
 #include "kernels/embedded_sources.hpp"

@@ -97,7 +97,8 @@ void describe_from_model(const Archive& archive, Of<Enclosure> auto& largest,
 }
 
 void describe(const auto& archive, Of<SurfaceProof> auto& proof) {
-  archive.object(field("within", proof.within), field("farthest", proof.farthest), fields_of(proof.cover));
+  archive.object(field("within", proof.within), field("farthest", proof.farthest), fields_of(proof.cover),
+                 unless_empty(field("triangles", proof.triangles)));
   require_points(archive, proof.cover);
 }
 

@@ -1,4 +1,4 @@
-/// This file implements input_file.hpp, and subject_file of certificates.
+/// This file implements input_file.hpp.
 #include "host/files/input_file.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +11,6 @@
 #include <cstring>
 #include <span>
 #include <system_error>
-#include <verisq/certificate_file.hpp>
 #include <verisq/error.hpp>
 
 #include "host/errors/refusal.hpp"
@@ -319,17 +318,6 @@ std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(std::as_bytes(std::span(bytes)));
   return hash.digest();
-}
-
-SubjectFile subject_file(const std::filesystem::path& path) {
-  InputFile file(path);
-  constexpr std::size_t block = std::size_t{1} << 16U;
-  Sha256 hash;
-  for (std::string_view bytes = file.peek(block); !bytes.empty(); bytes = file.peek(block)) {
-    hash.add(std::as_bytes(std::span(bytes)));
-    (void)file.take(bytes.size(), "the file");
-  }
-  return {path.filename().string(), hash.digest()};
 }
 
 }  // namespace verisq

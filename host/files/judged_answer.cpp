@@ -19,6 +19,7 @@
 
 #include "host/errors/refusal.hpp"
 #include "host/files/input_file.hpp"
+#include "host/files/model_file.hpp"
 #include "verify/proof/triangle_tree.hpp"
 
 namespace verisq {
@@ -283,12 +284,13 @@ std::string subject_bytes(const std::filesystem::path& file, const char* what, c
                           const std::string& name) {
   InputFile input(file);
   std::string bytes(input.peek(std::numeric_limits<std::size_t>::max()));
-  refuse_other_digest(sha256(bytes), file, what, expected, name);
+  refuse_other_digest(digest_of_model(bytes, file), file, what, expected, name);
   return bytes;
 }
 
 Model subject_model(const std::filesystem::path& file, const SubjectFile& expected, const std::string& name) {
-  return parse_model(subject_bytes(file, "model", expected, name), file.string());
+  const std::string bytes = subject_bytes(file, "model", expected, name);
+  return is_mesh_name(file) ? model_of_mesh(parse_mesh(bytes, file), file) : parse_model(bytes, file.string());
 }
 
 Mesh subject_mesh(const std::filesystem::path& file, const SubjectFile& expected, const std::string& name) {

@@ -1,5 +1,4 @@
-/// This file implements map_reader.hpp.
-#include "host/files/map_reader.hpp"
+/// The rows of maps of map_layout.hpp: in CSV, and in any format by the extension of the file.
 
 #include <fmt/format.h>
 

@@ -18,7 +18,6 @@
 #include <verisq/files.hpp>
 
 #include "host/files/input_file.hpp"
-#include "host/files/polygon_triangles.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {

@@ -13,8 +13,8 @@
 #include <verisq/files.hpp>
 #include <verisq/mesh.hpp>
 
+#include "host/files/mesh_file.hpp"
 #include "host/files/output_file.hpp"
-#include "host/files/polygon_triangles.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {

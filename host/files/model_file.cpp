@@ -7,11 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/certificate_file.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
@@ -373,11 +376,7 @@ FemurLandmarks parse_model_landmarks(std::string_view json, std::string_view nam
   return parse(json, name, Intervals::allowed).landmarks;
 }
 
-namespace {
-
-/// The model of one mesh, named as its file.
-Model model_of_mesh(const std::filesystem::path& path) {
-  Mesh mesh = read_mesh(path);
+Model model_of_mesh(Mesh mesh, const std::filesystem::path& path) {
   try {
     return {"", {mesh_primitive(path.stem().string(), std::move(mesh))}};
   } catch (const Error& error) {
@@ -385,14 +384,12 @@ Model model_of_mesh(const std::filesystem::path& path) {
   }
 }
 
-}  // namespace
-
 Model read_model(const std::filesystem::path& path) {
-  return is_mesh_name(path) ? model_of_mesh(path) : read(path, parse_model);
+  return is_mesh_name(path) ? model_of_mesh(read_mesh(path), path) : read(path, parse_model);
 }
 
 UncertainModel read_uncertain_model(const std::filesystem::path& path) {
-  return is_mesh_name(path) ? model_of_mesh(path) : read(path, parse_uncertain_model);
+  return is_mesh_name(path) ? model_of_mesh(read_mesh(path), path) : read(path, parse_uncertain_model);
 }
 
 std::vector<AreaBox> read_areas(const std::filesystem::path& model) {
@@ -401,6 +398,62 @@ std::vector<AreaBox> read_areas(const std::filesystem::path& model) {
 
 FemurLandmarks read_model_landmarks(const std::filesystem::path& model) {
   return is_mesh_name(model) ? FemurLandmarks() : read(model, parse_model_landmarks);
+}
+
+namespace {
+
+/// Returns whether a document may be JSON of an object: blanks and a byte order mark may come first.
+bool may_be_object(std::string_view beginning) {
+  const std::size_t first = beginning.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  return first != std::string_view::npos && beginning[first] == '{';
+}
+
+/// All bytes that are not read yet, in little memory.
+void add_rest(InputFile& file, Sha256& hash) {
+  constexpr std::size_t block = std::size_t{1} << 16U;
+  for (std::string_view bytes = file.peek(block); !bytes.empty(); bytes = file.peek(block)) {
+    hash.add(std::as_bytes(std::span(bytes)));
+    (void)file.take(bytes.size(), "the file");
+  }
+}
+
+/// The files of the primitives' meshes, in their order. None of what is no model: that is told by who reads it.
+std::vector<std::filesystem::path> meshes_named_by(std::string_view json, const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files;
+  const nlohmann::json document = nlohmann::json::parse(json, nullptr, false);
+  if (!document.is_object() || !document.contains("primitives") || !document["primitives"].is_array()) return files;
+  for (const nlohmann::json& primitive : document["primitives"]) {
+    if (!primitive.is_object() || !primitive.contains("mesh")) continue;
+    const nlohmann::json& mesh = primitive["mesh"];
+    if (!mesh.is_object() || !mesh.contains("file") || !mesh["file"].is_string()) continue;
+    files.push_back(path.parent_path() / mesh["file"].get<std::string>());
+  }
+  return files;
+}
+
+}  // namespace
+
+std::string digest_of_model(std::string_view bytes, const std::filesystem::path& path) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(bytes)));
+  if (!is_mesh_name(path) && may_be_object(bytes)) {
+    for (const std::filesystem::path& mesh : meshes_named_by(bytes, path)) {
+      InputFile file(mesh);
+      add_rest(file, hash);
+    }
+  }
+  return hash.digest();
+}
+
+SubjectFile subject_file(const std::filesystem::path& path) {
+  constexpr std::size_t beginning = 64;
+  const std::string name = path.filename().string();
+  InputFile file(path);
+  if (!is_mesh_name(path) && may_be_object(file.peek(beginning)))
+    return {name, digest_of_model(file.peek(std::numeric_limits<std::size_t>::max()), path)};
+  Sha256 hash;
+  add_rest(file, hash);
+  return {name, hash.digest()};
 }
 
 }  // namespace verisq

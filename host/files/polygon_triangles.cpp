@@ -1,6 +1,4 @@
-/// This file implements polygon_triangles.hpp.
-#include "host/files/polygon_triangles.hpp"
-
+/// The triangles of polygons of mesh_file.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,8 @@
 #include <numeric>
 #include <optional>
 #include <verisq/enclosure.hpp>
+
+#include "host/files/mesh_file.hpp"
 
 namespace verisq {
 namespace {

@@ -21,7 +21,6 @@
 
 #include "host/files/input_file.hpp"
 #include "host/files/map_layout.hpp"
-#include "host/files/map_reader.hpp"
 #include "host/files/vtk_arrays.hpp"
 #include "host/files/words.hpp"
 

@@ -17,7 +17,6 @@
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/device/program_self_test.hpp"
 #include "host/device/solid_model.hpp"
 #include "host/threads/parallel.hpp"

@@ -14,7 +14,6 @@
 #include "host/device/device_model.hpp"
 #include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
-#include "host/device/solid_batch.hpp"
 #include "host/device/solid_model.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "host/maps/map_run.hpp"

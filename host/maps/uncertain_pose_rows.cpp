@@ -1,6 +1,4 @@
-/// This file implements uncertain_pose_rows.hpp.
-#include "host/maps/uncertain_pose_rows.hpp"
-
+/// The distances to models of uncertain pose of uncertain_map.hpp.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -9,6 +7,7 @@
 #include <optional>
 
 #include "host/maps/map_run.hpp"
+#include "host/maps/uncertain_map.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"

@@ -12,14 +12,13 @@
 #include <vector>
 
 #include "host/errors/refusal.hpp"
-#include "host/plan/certified_deviation.hpp"
 #include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/search/model_distances.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
 namespace verisq {

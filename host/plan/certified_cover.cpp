@@ -1,4 +1,4 @@
-/// This file implements `PatchPlacer` and `certified_cover` of certified_deviation.hpp.
+/// This file implements `PatchPlacer` and `certified_cover` of deviation.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include "host/plan/certified_deviation.hpp"
+#include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/proof/proven_surface.hpp"
 #include "verify/proof/surface_patch.hpp"

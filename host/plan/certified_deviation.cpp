@@ -1,6 +1,4 @@
-/// This file implements certified_deviation.hpp.
-#include "host/plan/certified_deviation.hpp"
-
+/// The certified deviations of deviation.hpp.
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -20,6 +18,7 @@
 #include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/points.hpp"
+#include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/proven_surface.hpp"
 #include "verify/proof/surface_patch.hpp"
 #include "verify/proof/triangle_piece.hpp"
@@ -213,25 +212,38 @@ const DistanceStatistics& statistics_of(const Deviation& found) {
   return found.from_mesh ? *found.from_mesh : found.of_vertices;
 }
 
+/// Distances to a surface. All functions may be called from many threads.
+struct SampledSurface {
+  std::function<CertifiedEnclosure(const Point& x)> at;
+  /// As CertifiedSamples.
+  std::function<bool(const Point& x, double reach, Certificate& certificate)> is_one_convex;
+  bool convex;
+  double tolerance;
+};
+
+SampledSurface sampled(const CertifiedSamples& samples, const SeenInterruption& interrupted) {
+  return {[&](const Point& x) { return samples.at(x, [&] { return interrupted(); }); },
+          [&](const Point& x, double reach, Certificate& certificate) {
+            return samples.is_one_convex(x, reach, certificate);
+          },
+          samples.convex(), samples.tolerance()};
+}
+
+/// The required accuracy of distances.
+using AllowedWidth = std::function<double(double size)>;
+
 class DeviationProver {
  public:
-  /// `interrupted` must outlive this.
-  DeviationProver(const Model& model, const Deviation& found, const DeviationOptions& options,
+  /// `statistics` were found of the mesh's triangles. `interrupted` must outlive this.
+  DeviationProver(SampledSurface samples, const DistanceStatistics& statistics, const AllowedWidth& allowed,
                   const SeenInterruption& interrupted)
-      : samples_(model,
-                 share_of_samples * allowed_width(statistics_of(found).largest.lo, options, bounding_radius(model))),
+      : samples_(std::move(samples)),
+        largest_(std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed(statistics.largest.lo))),
         interrupted_(interrupted) {
-    const auto allowed = [&, radius = bounding_radius(model)](double size) {
-      return allowed_width(size, options, radius);
-    };
-    const DistanceStatistics& statistics = statistics_of(found);
-    largest_ = std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed(statistics.largest.lo));
     if (statistics.mean) mean_width_ = 0.5 * allowed(statistics.mean->lo);
   }
 
-  [[nodiscard]] CertifiedEnclosure at(const Point& x) const {
-    return samples_.at(x, [this] { return interrupted_(); });
-  }
+  [[nodiscard]] CertifiedEnclosure at(const Point& x) const { return samples_.at(x); }
 
   /// Leaves out samples that only mean and percentiles need, so that about `bytes` bytes are enough. These are halvings
   /// and, if there is no room for all centroids, the centroids of triangles that hardly matter.
@@ -294,7 +306,7 @@ class DeviationProver {
     const auto& [a, b, c] = mesh.triangles[n];
     return {.corners = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
             .triangle = static_cast<std::uint32_t>(n),
-            .convex = samples_.convex(),
+            .convex = samples_.convex,
             .at_corners = {vertices[a].distance, vertices[b].distance, vertices[c].distance}};
   }
 
@@ -312,7 +324,7 @@ class DeviationProver {
   /// If a sample has no tight certificate, smaller pieces would not be bounded better.
   [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances,
                                   const TriangleProof& proof) const {
-    const bool is_tight = piece.at_centre.width() <= 4.0 * samples_.tolerance();
+    const bool is_tight = piece.at_centre.width() <= 4.0 * samples_.tolerance;
     if (!is_tight || proof.samples.size() >= most_samples_of_triangle) return false;
     return piece.halvings < (distances.range.hi > largest_ ? most_halvings_for_largest : halvings_for_mean_);
   }
@@ -341,12 +353,12 @@ class DeviationProver {
     const verify::LongestSide side = verify::longest_side(piece.corners);
     proof.pieces.push_back(PieceProof::halved);
     proof.samples.push_back(at(side.middle));
-    piece.convex = samples_.convex();
+    piece.convex = samples_.convex;
     const auto parts = verify::halves(piece, side, verify::widened(proof.samples.back().distance, off));
     for (const verify::TrianglePiece& part : parts) prove(part, off, proof);
   }
 
-  CertifiedSamples samples_;
+  SampledSurface samples_;
   double largest_;  ///< no piece need be proven to be nearer than this
   int halvings_for_mean_ = 0;
   std::vector<bool> counts_for_mean_;  ///< for each triangle
@@ -354,9 +366,36 @@ class DeviationProver {
   const SeenInterruption& interrupted_;
 };
 
+/// The triangles of a model that is one mesh, in its own frame: as DeviationChecker proves them.
+CertifiedSurface certified_mesh(const Primitive& primitive, const Mesh& others, const DistanceStatistics& found,
+                                const AllowedWidth& allowed, std::size_t bytes, const SeenInterruption& interrupted,
+                                const std::function<void(double)>& progress) {
+  const Mesh& own = *primitive.mesh;
+  const verify::PlacedMesh seen = verify::placed(others, verify::RigidMotion(primitive.pose).inverse());
+  const verify::TriangleTree tree(verify::triangles_of(seen.mesh));
+  const auto at = [&](const Point& x) {
+    const Enclosure distance = verify::widened(tree.nearest(x).distance, seen.displacement);
+    return CertifiedEnclosure{{std::max(0.0, distance.lo), distance.hi}, {}};
+  };
+  const auto never_convex = [](const Point&, double, const Certificate&) { return false; };
+  DeviationProver prover({at, never_convex, false, share_of_samples * allowed(found.largest.lo)}, found, allowed,
+                         interrupted);
+  std::vector<CertifiedEnclosure> vertices(own.vertices.size());
+  in_parallel(vertices.size(), [&](std::size_t i) { vertices[i] = at(own.vertices[i]); });
+  prover.plan(own, vertices, bytes);
+  SurfaceProof proof{.within = found.largest.hi, .cover = {}, .farthest = {found.farthest, {{0.0, 0.0}, {}}}};
+  proof.triangles.resize(own.triangles.size());
+  in_parallel_steps(proof.triangles.size(), elements_at_a_time, interrupted, progress,
+                    [&](std::size_t n) { proof.triangles[n] = prover(own, vertices, n); });
+  if (interrupted()) return {};
+  return {std::move(proof), {}};
+}
+
 /// About how much of a certificate file it takes.
 std::size_t size_of(const SurfaceProof& proof) {
-  std::size_t size = 0;
+  std::size_t size = bytes_of_triangle * proof.triangles.size();
+  for (const TriangleProof& triangle : proof.triangles)
+    for (const CertifiedEnclosure& sample : triangle.samples) size += size_of(sample);
   for (const std::vector<PatchProof>& patches : proof.cover.patches) size += patches.size();
   for (const CertifiedPoint& point : proof.cover.off) size += size_of(point);
   for (const CertifiedPoint& point : proof.cover.on) size += size_of(point);
@@ -393,7 +432,12 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   CertifiedDeviation result;
   result.proven.interrupted = true;
   const SeenInterruption interrupted(options.interrupted);
-  DeviationProver prover(model, found, options, interrupted);
+  const AllowedWidth allowed = [&options, radius = bounding_radius(model)](double size) {
+    return allowed_width(size, options, radius);
+  };
+  const DistanceStatistics& statistics = statistics_of(found);
+  const CertifiedSamples samples(model, share_of_samples * allowed(statistics.largest.lo));
+  DeviationProver prover(sampled(samples, interrupted), statistics, allowed, interrupted);
   std::vector<CertifiedEnclosure>& vertices = result.certificate.vertices;
   std::vector<TriangleProof>& triangles = result.certificate.triangles;
   vertices.resize(mesh.vertices.size());
@@ -406,7 +450,10 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   std::size_t left = bytes;
   if (found.from_model) {
     CertifiedSurface surface =
-        certified_surface(model, mesh, found, options, bytes / 2, interrupted, progress(0.0, share_of_surface));
+        has_mesh(model)
+            ? certified_mesh(model.primitives.front(), mesh, *found.from_model, allowed, bytes / 2, interrupted,
+                             progress(0.0, share_of_surface))
+            : certified_surface(model, mesh, found, options, bytes / 2, interrupted, progress(0.0, share_of_surface));
     if (surface.proof) left -= std::min(left, size_of(*surface.proof));
     result.certificate.surface = std::move(surface.proof);
     result.without_surface = std::move(surface.missing);

@@ -10,7 +10,7 @@
 
 #include "host/threads/parallel.hpp"
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/containment_checker.hpp"
+#include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/search/mesh_side.hpp"
 #include "verify/solids/model.hpp"

@@ -1,6 +1,4 @@
-/// This file implements convex_projection.hpp.
-#include "host/plan/convex_projection.hpp"
-
+/// The solids without bends of primitive_projection.hpp.
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -9,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/plan/primitive_projection.hpp"
 #include "verify/proposals/multipliers.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/convex_primitive.hpp"

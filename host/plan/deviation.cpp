@@ -1,5 +1,5 @@
 /// This file implements deviation.hpp.
-#include "host/plan/deviation.hpp"
+#include "verisq/deviation.hpp"
 
 #include <fmt/core.h>
 
@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "host/errors/refusal.hpp"
+#include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_piece.hpp"
@@ -25,7 +26,6 @@
 #include "verify/search/model_distances.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
-#include "verisq/deviation.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
 
@@ -166,22 +166,38 @@ verify::SignedDistances distances_to(const verify::TriangleTree& triangles, doub
   };
 }
 
-/// How far the surface of a model that is one mesh lies from other triangles: searched like these.
+/// How far the surface of a model that is one mesh lies from another mesh. It is searched in its own frame, so that
+/// areas are those of its own triangles: the other mesh is moved there, and rounded.
 class SurfaceOfMesh {
  public:
-  SurfaceOfMesh(const Primitive& primitive, const verify::TriangleTree& triangles, verify::DeviationSearch search)
-      : surface_(verify::placed(primitive)), search_(std::move(search)), at_vertices_(surface_.mesh.vertices.size()) {
-    search_.to_model = distances_to(triangles, surface_.displacement);
-    search_.to_model(surface_.mesh.vertices, at_vertices_);
-    of_mesh_.emplace(surface_.mesh, at_vertices_, search_);
+  SurfaceOfMesh(const Primitive& primitive, const Mesh& others, verify::DeviationSearch search)
+      : motion_(primitive.pose),
+        surface_(*primitive.mesh),
+        seen_(verify::is_at_rest(primitive.pose) ? verify::PlacedMesh{others}
+                                                 : verify::placed(others, motion_.inverse())),
+        triangles_(verify::triangles_of(seen_.mesh)),
+        search_(std::move(search)),
+        at_vertices_(surface_.vertices.size()) {
+    search_.to_model = distances_to(triangles_, seen_.displacement);
+    search_.to_model(surface_.vertices, at_vertices_);
+    of_mesh_.emplace(surface_, at_vertices_, search_);
     of_mesh_->search_largest();
   }
 
   void search_statistics(std::span<const double> percentiles) { of_mesh_->search_statistics(percentiles); }
-  [[nodiscard]] verify::MeshDistances found() const { return of_mesh_->found(); }
+
+  [[nodiscard]] verify::MeshDistances found() const {
+    verify::MeshDistances distances = of_mesh_->found();
+    const verify::PreciseVector in_model = motion_(verify::precise(distances.where));
+    for (std::size_t i = 0; i < 3; ++i) distances.where[i] = in_model[i].lower().to_double(verify::Direction::down);
+    return distances;
+  }
 
  private:
-  verify::PlacedMesh surface_;
+  verify::RigidMotion motion_;
+  const Mesh& surface_;
+  verify::PlacedMesh seen_;
+  verify::TriangleTree triangles_;
   verify::DeviationSearch search_;
   std::vector<Enclosure> at_vertices_;
   std::optional<verify::MeshSearch> of_mesh_;
@@ -285,7 +301,9 @@ class DeviationRun {
       of_mesh->search_largest();
     }
     std::optional<verify::TriangleTree> triangles;
-    if (options_.from_model) {
+    if (options_.from_model && has_mesh(model_)) {
+      measure_surface(search);
+    } else if (options_.from_model) {
       triangles.emplace(verify::triangles_of(mesh_));
       measure_model(*triangles, search);
     }
@@ -301,20 +319,22 @@ class DeviationRun {
       ended_early_ = ended_early_ || distances.ended;
     }
     if (triangles && options_.statistics_of_model) measure_statistics_of_model(*triangles, search);
+    if (surface_ && options_.statistics_of_model) surface_->search_statistics(options_.percentiles);
     if (surface_) take_surface();
   }
 
   void measure_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
     search.progress = [this](double done) { options_.progress("model to mesh", done); };
-    if (model_.primitives.front().mesh) {
-      surface_ = std::make_unique<SurfaceOfMesh>(model_.primitives.front(), triangles, std::move(search));
-      return;
-    }
     const verify::FarthestOfModel farthest = verify::farthest_of_model(model_, triangles, search);
     found_.from_model = {farthest.distance, farthest.where, {}, {}};
     found_.samples += farthest.samples;
     found_.patches = farthest.patches;
     ended_early_ = ended_early_ || farthest.ended;
+  }
+
+  void measure_surface(verify::DeviationSearch search) {
+    search.progress = [this](double done) { options_.progress("model to mesh", done); };
+    surface_ = std::make_unique<SurfaceOfMesh>(model_.primitives.front(), mesh_, std::move(search));
   }
 
   void take_surface() {
@@ -325,7 +345,6 @@ class DeviationRun {
   }
 
   void measure_statistics_of_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
-    if (surface_) return surface_->search_statistics(options_.percentiles);
     search.progress = [this](double done) { options_.progress("model to mesh, mean", done); };
     const verify::ModelDistances distances =
         verify::distances_of_model(model_, triangles, options_.percentiles, found_.from_model->largest.hi, search);

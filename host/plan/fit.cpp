@@ -14,7 +14,6 @@
 
 #include "host/device/device.hpp"
 #include "host/plan/candidate_evaluation.hpp"
-#include "host/plan/penetration_limit.hpp"
 #include "host/plan/pose_search.hpp"
 #include "host/plan/requirements.hpp"
 #include "verify/solids/model.hpp"

@@ -1,5 +1,4 @@
-/// This file implements penetration_limit.hpp.
-#include "host/plan/penetration_limit.hpp"
+/// The limit of penetration of pose_search.hpp.
 
 #include <Eigen/Geometry>
 #include <algorithm>

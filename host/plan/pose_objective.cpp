@@ -10,9 +10,9 @@
 
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/plan/pose_search.hpp"
 #include "kernels/embedded_sources.hpp"
 

@@ -1,11 +1,11 @@
 /// This file implements primitive_projection.hpp.
+
 #include "host/plan/primitive_projection.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "host/plan/convex_projection.hpp"
 #include "verify/solids/superquadric.hpp"
 
 namespace verisq::fit_search {

@@ -19,7 +19,6 @@
 #include "verify/proof/verdict.hpp"
 #include "verify/proof/way_checker.hpp"
 #include "verify/search/clipped_cube.hpp"
-#include "verify/search/moving_primitive.hpp"
 #include "verify/solids/model.hpp"
 #include "verify/solids/paths.hpp"
 #include "verisq/distance.hpp"

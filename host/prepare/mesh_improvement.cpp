@@ -1,12 +1,12 @@
-/// This file implements mesh_improvement.hpp.
-#include "host/prepare/mesh_improvement.hpp"
-
+/// The improvement of triangles of tetrahedra_surface.hpp.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include "host/prepare/tetrahedra_surface.hpp"
 
 namespace verisq::tessellation {
 namespace {

@@ -17,7 +17,6 @@
 
 #include "host/prepare/eigen_points.hpp"
 #include "host/prepare/mesh_geometry.hpp"
-#include "host/prepare/mesh_improvement.hpp"
 #include "host/prepare/solid.hpp"
 #include "host/prepare/tetrahedra_surface.hpp"
 #include "host/threads/parallel.hpp"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "host/prepare/surface_samples.hpp"
-#include "host/prepare/weighted_sums.hpp"
 
 namespace verisq::recovery {
 namespace {

@@ -12,7 +12,6 @@
 #include <random>
 
 #include "host/prepare/surface_distance.hpp"
-#include "host/prepare/weighted_sums.hpp"
 #include "host/threads/parallel.hpp"
 
 namespace verisq::recovery {

@@ -8,7 +8,7 @@
 #include <verisq/mesh.hpp>
 
 #include "host/prepare/surface_distance.hpp"
-#include "host/prepare/weighted_sums.hpp"
+#include "host/prepare/surface_samples.hpp"
 #include "verify/proof/triangle_tree.hpp"
 
 namespace verisq::recovery {

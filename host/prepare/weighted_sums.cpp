@@ -1,12 +1,11 @@
 /// Loops over lanes that compilers turn into vectors; sums stay apart by lane until the end.
-#include "host/prepare/weighted_sums.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "host/prepare/surface_distance.hpp"
+#include "host/prepare/surface_samples.hpp"
 
 // If the compiler makes several versions of a function, the program uses the widest that its processor supports.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)

@@ -1,5 +1,4 @@
-/// This file implements picture.hpp.
-#include "host/report/picture.hpp"
+/// The colours and drawings of projection.hpp.
 
 #include <cairo.h>
 #include <fmt/format.h>

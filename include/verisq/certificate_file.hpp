@@ -31,10 +31,11 @@ namespace verisq {
 /// A file that an answer is about.
 struct SubjectFile {
   std::string name;    ///< as it was called; only for people
-  std::string sha256;  ///< of its bytes, 64 lower-case hexadecimal digits
+  std::string sha256;  ///< of its bytes, 64 lower-case hexadecimal digits; of a model: and of the meshes that it names
 };
 
-/// Reads the file to its end. Throws Error(input).
+/// Reads the file to its end, and the mesh files that it names if it is a model: their bytes are taken behind its own,
+/// in the order of the primitives. Throws Error(input).
 [[nodiscard]] SubjectFile subject_file(const std::filesystem::path& path);
 
 /// The kind `pair`: the distance of model A and of model B moved by `pose`, with its proof.

@@ -71,6 +71,8 @@ struct SurfaceProof {
   SurfaceCover cover;
   /// Near the model's surface, and from the mesh at least as far as is claimed.
   CertifiedPoint farthest;
+  /// Instead of all that, if the model is one mesh: the proofs of its triangles, whose samples' claims are ignored.
+  std::vector<TriangleProof> triangles = {};
 };
 
 /// The certificate of a mesh, or of a cloud, which has no triangles.

@@ -100,7 +100,8 @@ struct SurroundedPrimitive {
 };
 
 /// If both models are is_union_of_convex, `separations` count: the first decides the upper end, and a pair without one
-/// is far by its bounding spheres. For all other models `divisions`, balls, covers and `near_points` count.
+/// is far by its bounding spheres. If one has a mesh, `common` alone counts. For all other models `divisions`, balls,
+/// covers and `near_points` count.
 struct PairCertificate {
   std::vector<Separation> separations = {};
   std::vector<DividedSeparation> divisions = {};

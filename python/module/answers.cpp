@@ -14,7 +14,6 @@
 
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_model.hpp"
 
 namespace verisq::python {
 

@@ -17,7 +17,6 @@
 
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_model.hpp"
 
 namespace verisq::python {
 
@@ -168,7 +167,7 @@ inline constexpr std::size_t member_count<Deviation> = 12;
 template <>
 inline constexpr std::size_t member_count<DistanceSummary> = 3;
 template <>
-inline constexpr std::size_t member_count<SurfaceProof> = 3;
+inline constexpr std::size_t member_count<SurfaceProof> = 4;
 template <>
 inline constexpr std::size_t member_count<AreaStatistics> = 2;
 template <>

@@ -27,8 +27,6 @@
 #include "python/module/certified_fit.hpp"
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_map.hpp"
-#include "python/module/python_model.hpp"
 
 namespace verisq::python {
 

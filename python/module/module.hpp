@@ -1,18 +1,28 @@
-/// All sources of the Python module use this: its parts, and arrays of NumPy.
+/// All sources of the Python module use this: its parts, arrays of NumPy, and the classes that several sources share.
 #pragma once
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
+#include <verisq/certificate_file.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/clearance.hpp>
+#include <verisq/distance.hpp>
+#include <verisq/features.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
@@ -145,5 +155,130 @@ auto without_lock(const Interruption& interruption, const Work& work) {
 /// Vertices (N, 3), and triangles (M, 3) of indices, or None: a cloud. Throws ValueError also for an index that no
 /// vertex has, Error(input) for coordinates that are not finite.
 [[nodiscard]] Mesh mesh(pybind11::handle vertices, pybind11::handle triangles);
+
+// Landmarks of a femur as dictionaries of points, and sides as words.
+
+/// Points by their names, and "head_radius".
+[[nodiscard]] pybind11::dict dictionary(const FemurLandmarks& landmarks);
+
+/// And back. Throws Error(input) for a name that is none.
+[[nodiscard]] FemurLandmarks landmarks_of(const pybind11::dict& description);
+
+/// "left", "right" or nothing. Throws ValueError for other words.
+[[nodiscard]] std::optional<Side> side_of(const std::optional<std::string>& word);
+
+// The class verisq.Model: what a model file says, exact or not.
+
+/// Immutable, as read.
+class PythonModel {
+ public:
+  explicit PythonModel(UncertainModel model, FemurLandmarks landmarks = {}, std::vector<AreaBox> areas = {});
+
+  [[nodiscard]] const UncertainModel& model() const { return model_; }
+  [[nodiscard]] const FemurLandmarks& landmarks() const { return landmarks_; }
+  [[nodiscard]] const std::vector<AreaBox>& areas() const { return areas_; }
+  /// The model itself, or the largest that its intervals allow.
+  [[nodiscard]] const Model& largest() const { return largest_; }
+  [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+  /// Of no other model that this process has made, but of copies of this one.
+  [[nodiscard]] std::uint64_t identity() const { return identity_; }
+
+  /// The ordinary model. Throws Error(input) that says `what` needs one, where this has intervals.
+  [[nodiscard]] const Model& exact(std::string_view what) const;
+
+ private:
+  UncertainModel model_;
+  FemurLandmarks landmarks_;
+  std::vector<AreaBox> areas_;
+  Model largest_;
+  double bounding_radius_;
+  std::uint64_t identity_;
+};
+
+/// As given, or what the command line takes instead: 1e-6 of this radius. Throws Error(input) for a radius too large
+/// for that, ValueError for a tolerance that is negative or not finite.
+[[nodiscard]] double tolerance_or_default(const std::optional<double>& given, double radius);
+
+/// The same along ways and for whole meshes, every distance of which is searched: 1e-3 of the radius, and never 0.
+[[nodiscard]] double tolerance_along_way(const std::optional<double>& given, double radius);
+
+/// Lengths of two models can be compared only in one unit: throws Error(input) where both name one, and not the same.
+void check_units(const PythonModel& a, const PythonModel& b);
+
+/// Throws ValueError unless the number is finite and at least 0.
+void check_length(double value, std::string_view name);
+
+/// Throws ValueError unless these are seconds above 0, and at most 1e9.
+void check_time_limit(const std::optional<double>& seconds);
+
+// The class verisq.Mesh: an immutable mesh or cloud, of which arrays are views.
+
+struct PythonMesh {
+  Mesh mesh;
+};
+
+/// What stands for a mesh: a verisq.Mesh, or an array of points (N, 3): a cloud.
+[[nodiscard]] Mesh mesh_or_cloud(pybind11::handle object);
+
+// The class verisq.Answer, which certified results of all kinds become.
+
+struct PythonAnswer {
+  Answer answer;
+  std::string name = "answer";  ///< stands for its file in messages
+
+  static constexpr std::size_t members = 2;
+};
+
+/// The units that the first of these model files names; "" where none does. Throws Error(input).
+[[nodiscard]] std::string units_of(const std::vector<std::filesystem::path>& models);
+
+// The class verisq.Certificates: what proves the rows of a map again, kept as the library has it.
+
+/// One for each row, in the order of the map.
+struct CertificateList {
+  std::vector<Certificate> certificates;
+
+  static constexpr std::size_t members = 1;
+};
+
+// The class verisq.ClosestPointMap, and what fills it.
+
+/// What one call found, and of which points.
+struct PythonClosestPoints {
+  pybind11::array points;
+  std::vector<ClosestPoint> rows;
+  ClosestPointSummary summary;
+
+  static constexpr std::size_t members = 3;
+};
+
+/// Of an array of shape (N, 3), without Python's lock; the tolerance in model units.
+[[nodiscard]] PythonClosestPoints closest_points_of(const SignedDistance& distance, const pybind11::handle& points,
+                                                    double tolerance);
+
+// The class verisq.Map: rows as arrays, and what is said of all of them.
+
+static_assert(sizeof(Status) == 1);
+
+/// A finished map: its columns are arrays.
+struct PythonMap {
+  pybind11::array_t<double> lo;
+  pybind11::array_t<double> hi;
+  pybind11::array_t<std::uint8_t> status;
+  std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
+  MapSummary summary;
+  double tolerance;
+
+  static constexpr std::size_t members = 6;
+};
+
+/// Of so many rows, which are not set.
+[[nodiscard]] PythonMap empty_map(std::size_t size, double tolerance);
+
+/// Where its rows are.
+[[nodiscard]] ResultColumns columns(PythonMap& map);
+
+/// A copy of finished rows.
+[[nodiscard]] PythonMap map_of_rows(std::span<const MapResult> rows, const MapSummary& summary, double tolerance);
 
 }  // namespace verisq::python

@@ -1,5 +1,4 @@
-/// This file implements python_map.hpp.
-#include "python/module/python_map.hpp"
+/// The class verisq.Map of module.hpp.
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -17,7 +16,6 @@
 
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
-#include "python/module/python_model.hpp"
 
 namespace verisq::python {
 namespace {

@@ -1,5 +1,4 @@
-/// This file implements python_model.hpp.
-#include "python/module/python_model.hpp"
+/// The classes verisq.Model and verisq.Mesh of module.hpp.
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>

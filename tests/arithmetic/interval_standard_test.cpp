@@ -16,9 +16,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 #include "host/device/sample_operations.hpp"
-#include "host/device/self_test.hpp"
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verisq/enclosure.hpp"

@@ -25,9 +25,7 @@
 #include <verisq/device.hpp>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 #include "host/device/sample_operations.hpp"
-#include "host/device/self_test.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verify/numbers/functions.hpp"
 #include "verify/stance/bounce.hpp"

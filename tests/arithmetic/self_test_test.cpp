@@ -1,6 +1,4 @@
 /// The self-test accepts the kernels as they are and refuses kernels whose rounding is broken in one place.
-#include "host/device/self_test.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 #include <string>
 
 #include "host/device/device.hpp"
+#include "host/device/sample_operations.hpp"
 
 namespace verisq::device {
 namespace {

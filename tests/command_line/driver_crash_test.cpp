@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/device/opencl.hpp"
+#include "host/device/device.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq {

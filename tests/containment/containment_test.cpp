@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/containment_checker.hpp"
+#include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/search/mesh_side.hpp"
 #include "verisq/error.hpp"

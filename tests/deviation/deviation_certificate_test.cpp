@@ -58,7 +58,7 @@ Primitive superquadric(const std::array<double, 3>& axes, const std::array<doubl
   return {"", {axes, exponents}, {centre, {0.9, 0.2, -0.3, 0.1}}, {}};
 }
 
-/// A ball, one convex solid, a union, a bent solid and a difference, each in a torus that lies about them.
+/// A ball, one convex solid, a union, a bent solid, a difference and a mesh, each in a torus that lies about them.
 const std::vector<Answer>& answers() {
   const Mesh torus = torus_mesh(3.0, 1.0, 6, 4);
   const Primitive soap = superquadric({2.0, 1.6, 1.0}, {0.4, 0.7}, {0.1, 0.2, -0.1});
@@ -66,12 +66,14 @@ const std::vector<Answer>& answers() {
   Primitive bent = superquadric({0.6, 0.5, 2.0}, {0.8, 0.9}, {0.3, 0.0, 0.0});
   bent.bend = Bend{0.2, 30.0};
   const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
+  const Pose turned{{0.1, 0.2, -0.1}, {0.9, 0.2, -0.3, 0.1}};
   static const std::vector<Answer> all{certified({"", {superquadric({2, 2, 2}, {1, 1}, {})}}, torus),
                                        certified({"", {soap}}, torus),
                                        certified({"", {soap, side}}, torus, 0.1),
                                        certified({"", {bent, side}}, torus, 0.1),
                                        certified({"", {bent}}, torus, 0.1),
-                                       certified({"", {soap, side}, difference}, torus_mesh(3.0, 1.0, 4, 3), 0.3)};
+                                       certified({"", {soap, side}, difference}, torus_mesh(3.0, 1.0, 4, 3), 0.3),
+                                       certified({"", {mesh_primitive("ball", sphere_mesh(1), turned)}}, torus, 0.1)};
   return all;
 }
 
@@ -215,6 +217,46 @@ TEST(DeviationCertificateTest, OfAProofThatIsCutShortNothingIsProvenFromAbove) {
   EXPECT_EQ(proven_of(ball, triangle, cut).from_mesh->largest.hi, infinity);
   cut.triangles[0].pieces = {PieceProof::corners, PieceProof::corners};
   EXPECT_EQ(proven_of(ball, triangle, cut).from_mesh->largest.hi, infinity);
+}
+
+/// The surface of a model that is a mesh, in its place. Whatever its proof says, what is proven is true.
+TEST(MeshSurfaceCertificate, ProvesBothWaysAndNoForgery) {
+  const Model ball{"", {mesh_primitive("ball", sphere_mesh(1), {{0.1, 0.2, -0.1}, {0.9, 0.2, -0.3, 0.1}})}};
+  const Mesh torus = torus_mesh(3.0, 1.0, 12, 6);
+  DeviationOptions options;
+  options.device = "host";
+  options.percentiles = percentiles;
+  options.statistics_of_model = true;
+  const Deviation found = deviation(ball, torus, options);
+  const CertifiedDeviation certified = certified_deviation(ball, torus, found, options);
+  const auto prove = [&](const DeviationCertificate& certificate) {
+    return DeviationChecker(ball)(torus, certificate, {.percentiles = percentiles, .statistics_of_model = true});
+  };
+  const auto expect_true = [&](const ProvenDeviation& proven) {
+    EXPECT_TRUE(meet(*proven.from_model, found.from_model->largest));
+    EXPECT_TRUE(meet(*proven.hausdorff, *found.hausdorff));
+    EXPECT_TRUE(meet(proven.statistics_from_model->mean, *found.from_model->mean));
+    for (std::size_t i = 0; i < percentiles.size(); ++i)
+      EXPECT_TRUE(meet(proven.statistics_from_model->percentiles[i], found.from_model->percentiles[i]));
+  };
+  const ProvenDeviation proven = prove(certified.certificate);
+  expect_true(proven);
+  EXPECT_LE(proven.from_model->width(), 0.1 * found.from_model->largest.hi);
+  EXPECT_LE(proven.statistics_from_model->mean.width(), 0.2 * found.from_model->mean->hi);
+  RandomCases random(7);
+  for (int k = 0; k < 50; ++k) {
+    DeviationCertificate changed = certified.certificate;
+    std::vector<TriangleProof>& triangles = changed.surface->triangles;
+    forge(triangles[random.choice(triangles.size())], random);
+    std::swap(triangles[random.choice(triangles.size())], triangles[random.choice(triangles.size())]);
+    for (CertifiedEnclosure& sample : triangles[random.choice(triangles.size())].samples) forge(sample, random);
+    expect_true(prove(changed));
+  }
+  DeviationCertificate cut = certified.certificate;
+  cut.surface->triangles.pop_back();
+  EXPECT_EQ(prove(cut).from_model, (Enclosure{0.0, infinity})) << "a triangle is missing";
+  cut.surface->triangles.clear();
+  EXPECT_EQ(prove(cut).hausdorff->hi, infinity);
 }
 
 }  // namespace

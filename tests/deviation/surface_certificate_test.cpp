@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/plan/certified_deviation.hpp"
+#include "host/plan/deviation.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/brute_force.hpp"
 #include "tests/deviation/surface_scenes.hpp"

@@ -1,4 +1,6 @@
 /// The mesh readers: every format, merging, fans, exact zero areas, and the message for everything refused.
+#include "host/files/mesh_file.hpp"
+
 #include <gmock/gmock.h>
 
 #include <array>
@@ -11,7 +13,6 @@
 #include <verisq/files.hpp>
 
 #include "host/files/input_file.hpp"
-#include "host/files/polygon_triangles.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 

@@ -1,6 +1,4 @@
 /// Triangles of polygons: they cover what the polygon bounds and nothing else, or the polygon is refused.
-#include "host/files/polygon_triangles.hpp"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -9,6 +7,8 @@
 #include <numbers>
 #include <random>
 #include <verisq/enclosure.hpp>
+
+#include "host/files/mesh_file.hpp"
 
 namespace verisq {
 namespace {

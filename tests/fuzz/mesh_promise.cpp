@@ -4,7 +4,7 @@
 #include <cmath>
 #include <verisq/files.hpp>
 
-#include "host/files/polygon_triangles.hpp"
+#include "host/files/mesh_file.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace verisq::fuzz {

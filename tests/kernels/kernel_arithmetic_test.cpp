@@ -15,9 +15,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 #include "host/device/sample_operations.hpp"
-#include "host/device/self_test.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verisq/enclosure.hpp"
 

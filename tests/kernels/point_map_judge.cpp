@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "host/device/chunk_queue.hpp"
+#include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/point_pipe.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/kernel_launch.hpp"

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/point_map_judge.hpp"
 #include "tests/kernels/row_judge.hpp"

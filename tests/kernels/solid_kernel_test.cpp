@@ -15,9 +15,9 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/map.hpp>
 
+#include "host/device/device.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
-#include "host/device/solid_batch.hpp"
+#include "host/device/query_batches.hpp"
 #include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/large_models.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host/device/primitive_parameters.hpp"
-#include "host/device/self_test.hpp"
+#include "host/device/sample_operations.hpp"
 #include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/temporary_folder.hpp"

@@ -20,7 +20,6 @@
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
-#include "host/device/solid_batch.hpp"
 #include "host/maps/octree.hpp"
 #include "host/plan/pose_search.hpp"
 #include "tests/fixtures/random.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/device/self_test.hpp"
+#include "host/device/sample_operations.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/point_map_judge.hpp"
 #include "tests/kernels/row_judge.hpp"

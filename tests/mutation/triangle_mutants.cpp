@@ -3,7 +3,7 @@
 /// Left out, because tests/kernels/kernel_arithmetic_test.cpp finds it: a NaN that is forgotten.
 ///
 /// Left out, because no enclosure can become false by them:
-/// - Changes of what is only proposed: triangle_distance.cl, distance_gradient.clh, matrix3.clh, orthogonal_to_contact.
+/// - Changes of what is only proposed: triangle_distance.cl, distance_gradient.clh, orthogonal_to_contact.
 /// - `closest` with negative coordinates: the gauge takes them for 0, and farther away they only raise the bound.
 /// - The weight 1 lowered where the other is 0, and lower ends below 0.
 /// - Roundings of an error bound itself: the constants have more room than they take.

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +15,7 @@
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -82,6 +85,104 @@ TEST(MeshOctree, OfDifferencesOfMeshes) {
   const OctreeSummary mixed = grown({"", {mesh_primitive("outer", outer), ball}, difference}, 6);
   EXPECT_LT(mixed.volume.lo, volume.lo);
   EXPECT_GT(mixed.volume.hi, of_outer.lo - 4.0 / 3.0 * 3.1416 * 0.421875);
+}
+
+/// The cubes of a model, and their root.
+struct Grown {
+  OctreeRoot root;
+  std::vector<OctreeCube> cubes;
+};
+
+Grown cubes_of(const Model& model, int depth) {
+  OctreeOptions options;
+  options.depth = depth;
+  options.device = "host";
+  Grown grown;
+  const auto keep = [&](std::span<const OctreeCube> cubes) {
+    grown.cubes.insert(grown.cubes.end(), cubes.begin(), cubes.end());
+  };
+  grown.root = OctreeBuilder(model, options).build(keep).root;
+  return grown;
+}
+
+/// Unions, differences and intersections, in their place and turned.
+std::vector<Model> checked_models() {
+  const Pose pose{{0.25, 0.5, -0.75}, {0.8, 0.1, -0.5, 0.3}};
+  const Mesh ball = sphere_mesh(2);
+  const Primitive soap{"soap", {{0.75, 0.5, 1.25}, {0.5, 1.0}}, {.translation = {0.5, 0.0, 0.0}}};
+  const SetExpression difference{{{{}, SetOperation::unite, 0}, {{}, SetOperation::unite, 1}}, SetOperation::subtract};
+  SetExpression intersection = difference;
+  intersection.operation = SetOperation::intersect;
+  return {{"", {mesh_primitive("torus", torus_mesh(1.0, 0.4, 16, 8), pose)}},
+          {"", {mesh_primitive("ball", ball), soap}},
+          {"", {mesh_primitive("ball", ball, pose), soap}, difference},
+          {"", {mesh_primitive("ball", ball), mesh_primitive("other", turned(ball), pose)}, intersection}};
+}
+
+TEST(MeshOctreeChecker, ProvesEveryCubeAndTheVolume) {
+  for (const Model& model : checked_models()) {
+    const auto [root, cubes] = cubes_of(model, 4);
+    const OctreeChecker checker(model, root, cubes);
+    std::size_t black = 0;
+    for (const ColouredCube& cube : checker.cubes()) {
+      EXPECT_TRUE(checker.proves(cube));
+      black += cube.colour == CubeColour::black ? 1 : 0;
+    }
+    EXPECT_GT(black, 0U);
+    if (model.primitives.size() > 1) continue;
+    const Enclosure volume = exact_volume(*model.primitives[0].mesh);
+    EXPECT_LE(checker.volume().lo, volume.lo);
+    EXPECT_GE(checker.volume().hi, volume.hi);
+  }
+}
+
+/// Cubes through which the surface goes, and those of the other colour.
+TEST(MeshOctreeChecker, ProvesNoFalseColour) {
+  for (const Model& model : checked_models()) {
+    const auto [root, cubes] = cubes_of(model, 4);
+    std::vector<OctreeCube> black = cubes;
+    for (OctreeCube& cube : black) cube.colour = CubeColour::black;
+    const OctreeChecker of_black(model, root, black);
+    std::size_t proved = 0;
+    for (const ColouredCube& cube : of_black.cubes()) {
+      proved += cube.colour == CubeColour::black && of_black.proves(cube) ? 1 : 0;
+    }
+    const auto truly = static_cast<std::size_t>(std::ranges::count(cubes, CubeColour::black, &OctreeCube::colour));
+    EXPECT_GE(proved, truly);
+    const OctreeChecker of_white(model, root, {});
+    std::size_t white = 0;
+    for (const OctreeCube& cube : cubes) {
+      const double half = std::ldexp(1.0, -cube.level);
+      Point centre;
+      for (std::size_t i = 0; i < 3; ++i) centre[i] = (2.0 * cube.position[i] + 1.0) * half - 1.0;
+      const bool as_white = of_white.proves({centre, half, CubeColour::white});
+      const bool as_black = of_white.proves({centre, half, CubeColour::black});
+      ASSERT_FALSE(as_white && as_black);
+      ASSERT_FALSE(as_white && cube.colour == CubeColour::black);
+      ASSERT_FALSE(as_black && cube.colour == CubeColour::white);
+      white += as_white ? 1 : 0;
+    }
+    EXPECT_GT(white, 0U);
+  }
+}
+
+/// Every cube of the surface holds points of both sides: neither colour is true.
+TEST(MeshOctreeChecker, ProvesNoColourOfCubesThroughWhichTheSurfaceGoes) {
+  const Mesh mesh = torus_mesh(1.0, 0.4, 16, 8);
+  const Model model{"", {mesh_primitive("torus", mesh)}};
+  const OctreeChecker checker(model, cubes_of(model, 1).root, {});
+  const OctreeRoot root = cubes_of(model, 1).root;
+  for (const Point& vertex : mesh.vertices) {
+    for (const double half : {0x1p-4, 0x1p-10, 0x1p-20}) {
+      Point centre;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double place = (vertex[i] - root.centre[i]) / root.half_width;
+        centre[i] = (std::floor(place / (2.0 * half)) * 2.0 + 1.0) * half;
+      }
+      EXPECT_FALSE(checker.proves({centre, half, CubeColour::white}));
+      EXPECT_FALSE(checker.proves({centre, half, CubeColour::black}));
+    }
+  }
 }
 
 TEST(MeshOctree, IsTheHosts) {

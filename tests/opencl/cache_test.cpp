@@ -1,6 +1,4 @@
 /// The cache gives back what was stored or nothing, whatever happens to its files: full disks, damage, other processes.
-#include "host/device/cache.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -18,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/device/device.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq::device {

@@ -10,10 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host/device/cache.hpp"
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
-#include "host/device/self_test.hpp"
+#include "host/device/sample_operations.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verisq/device.hpp"

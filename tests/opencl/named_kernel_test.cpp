@@ -8,7 +8,6 @@
 #include <verisq/error.hpp>
 
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
 
 namespace verisq::device {
 namespace {

@@ -29,7 +29,6 @@
 
 #include "host/files/input_file.hpp"
 #include "host/report/html_report.hpp"
-#include "host/report/picture.hpp"
 #include "host/report/projection.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/places.hpp"

@@ -1,7 +1,7 @@
 /// Covers of directions: they hold of boxes that have the nearest points, and of no others.
 #include <gtest/gtest.h>
 
-#include "verify/search/closest_surface_point.hpp"
+#include "verify/search/convex_primitive.hpp"
 
 namespace verisq::verify {
 namespace {

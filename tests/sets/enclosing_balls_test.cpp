@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/oracle/random_cases.hpp"
-#include "verify/search/solid_pair_certificate.hpp"
+#include "verify/search/solid_pair_distance.hpp"
 
 namespace verisq::verify {
 namespace {

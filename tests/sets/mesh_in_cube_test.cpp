@@ -18,7 +18,7 @@
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_distance.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 namespace {

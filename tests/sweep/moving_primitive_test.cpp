@@ -1,6 +1,4 @@
 /// Half-spaces of a moving primitive against points of it at random times.
-#include "verify/search/moving_primitive.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "tests/oracle/random_cases.hpp"
+#include "verify/search/clipped_cube.hpp"
 
 namespace verisq::verify {
 namespace {

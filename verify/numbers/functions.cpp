@@ -40,7 +40,7 @@ double power(double base, double exponent, Direction direction) {
 
 namespace {
 
-/// MPFR's number for T, and the value back in T rounded in the same direction (as in real.cpp).
+/// MPFR's number for T, and the value back in T rounded in the same direction (as in real.hpp).
 template <class T>
 using Mpfr = std::conditional_t<std::is_same_v<T, double>, MpfrNumber<DBL_MANT_DIG>, Real>;
 

@@ -1,4 +1,5 @@
-/// Interval arithmetic for proofs: Boost.Interval with the directed rounding of this library, at two precisions.
+/// Interval arithmetic for proofs: Boost.Interval with the directed rounding of this library, at two precisions; sine,
+/// cosine and arc tangent of thin intervals, by MPFR.
 #pragma once
 
 #include <boost/numeric/interval/arith.hpp>
@@ -13,6 +14,8 @@
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
+
+// Interval arithmetic for proofs: Boost.Interval with the directed rounding of this library, at two precisions.
 
 /// Boost.Interval's rounding policy. Boost's own policies switch the rounding mode, which compilers do not respect
 /// (measured: docs/rounding.md §8); this one needs no mode and no state.
@@ -148,5 +151,23 @@ class BasicInterval {
 using Interval = BasicInterval<double>;
 /// 127-bit ends and an exponent range that binary64 input cannot leave: for the last word.
 using PreciseInterval = BasicInterval<Real>;
+
+// Sine, cosine and arc tangent of thin intervals, by MPFR.
+
+/// For thin intervals: the result is the value at the angle's lower end, widened by the width of the angle.
+[[nodiscard]] PreciseInterval sine_of(const PreciseInterval& angle);
+[[nodiscard]] PreciseInterval cosine_of(const PreciseInterval& angle);
+
+[[nodiscard]] PreciseInterval arctangent_of(const PreciseInterval& a);
+
+/// sin(a)/a and atan(a)/a, 1 at a = 0: without cancellation.
+[[nodiscard]] PreciseInterval quotient_of_sine(const PreciseInterval& a);
+[[nodiscard]] PreciseInterval quotient_of_arctangent(const PreciseInterval& a);
+
+/// Exact at multiples of 90. Precondition: finite.
+[[nodiscard]] PreciseInterval sine_of_degrees(double degrees);
+[[nodiscard]] PreciseInterval cosine_of_degrees(double degrees);
+
+[[nodiscard]] PreciseInterval half_turn();  ///< pi
 
 }  // namespace verisq::verify

@@ -84,31 +84,4 @@ template <class T>
   return sqrt(square(v[0]) + square(v[1]) + square(v[2]));
 }
 
-// The vector product of vectors of intervals.
-
-template <class T>
-[[nodiscard]] Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-// Precise enclosures with binary64 ends, rounded outward: for searches, which ask more often.
-
-[[nodiscard]] inline Interval in_binary64(const PreciseInterval& a) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
-}
-
-[[nodiscard]] inline Vector3<double> in_binary64(const PreciseVector& v) {
-  return {in_binary64(v[0]), in_binary64(v[1]), in_binary64(v[2])};
-}
-
-[[nodiscard]] inline Matrix3<double> in_binary64(const PreciseMatrix& m) {
-  return {in_binary64(m.row(0)), in_binary64(m.row(1)), in_binary64(m.row(2))};
-}
-
-// Points as vectors of intervals of no width.
-
-[[nodiscard]] inline Vector3<double> exact_vector(const Point& x) {
-  return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
-}
-
 }  // namespace verisq::verify

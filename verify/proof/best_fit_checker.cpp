@@ -9,8 +9,8 @@
 #include <string>
 
 #include "verify/numbers/points.hpp"
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/objective_bound.hpp"
-#include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/error.hpp"
 #include "verisq/fit_bound.hpp"

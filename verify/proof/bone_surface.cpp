@@ -1,16 +1,16 @@
 /// Triangles that a direction separates from a cube do not meet it. If one or two triangles do, and cut the cube from
 /// side to side, their planes bound the part of the bone (docs/mathematics.md §23).
-#include "verify/proof/bone_surface.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/closed_surface.hpp"
+#include "verify/proof/volume_in_cube.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::verify {

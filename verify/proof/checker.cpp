@@ -155,7 +155,8 @@ struct OctreeChecker::State {
       const PreciseInterval reach = length<Real>(PreciseVector(solid.motion().translation - centre)) + solid.radius();
       return reach.upper() <= (PreciseInterval(Real(radius)) * unit).lower();
     };
-    return std::ranges::all_of(checker.primitives(), [&](const auto& p) { return std::visit(is_near, p); });
+    if (meshes) return meshes->reach(centre) <= (PreciseInterval(Real(radius)) * unit).lower();
+    return std::ranges::all_of(checker->primitives(), [&](const auto& p) { return std::visit(is_near, p); });
   }
 
   [[nodiscard]] PreciseInterval volume_of(std::uint64_t count) const {
@@ -163,7 +164,8 @@ struct OctreeChecker::State {
     return edge * edge * edge * PreciseInterval(Real(static_cast<long double>(count)));  // exactly: below 2^61
   }
 
-  ExactChecker checker;
+  std::optional<ExactChecker> checker;  ///< of a model without meshes
+  std::optional<MeshCubes> meshes;      ///< of the others
   PreciseVector centre;
   PreciseInterval unit;  ///< the root's half-width
   std::vector<ColouredCube> cubes = {};
@@ -171,7 +173,11 @@ struct OctreeChecker::State {
 };
 
 OctreeChecker::OctreeChecker(const Model& model, const OctreeRoot& root, std::span<const OctreeCube> cubes)
-    : state_(std::make_unique<State>(State{ExactChecker(model), precise(root.centre), Real(root.half_width)})) {
+    : state_(std::make_unique<State>(State{{}, {}, precise(root.centre), Real(root.half_width)})) {
+  if (has_mesh(model))
+    state_->meshes.emplace(model);
+  else
+    state_->checker.emplace(model);
   std::vector<OctreeCube> kept;
   for (const OctreeCube& cube : cubes) {
     const auto beyond = [&](std::uint32_t p) { return cube.level > deepest_octree_level || p >> cube.level != 0; };
@@ -221,10 +227,12 @@ Enclosure OctreeChecker::volume() const {
 bool OctreeChecker::proves(const ColouredCube& cube, const std::function<bool()>& interrupted) const {
   constexpr int most_looks = 4096;
   const PreciseVector from_centre(Real(cube.centre[0]), Real(cube.centre[1]), Real(cube.centre[2]));
-  const EmptyNeighbourhood all(state_->checker.set(), state_->checker.primitives(),
-                               state_->centre + from_centre * state_->unit,
-                               (PreciseInterval(Real(cube.half_width)) * state_->unit).upper(),
-                               cube.colour == CubeColour::black ? Place::inside : Place::outside);
+  const PreciseVector centre = state_->centre + from_centre * state_->unit;
+  const Real half_width = (PreciseInterval(Real(cube.half_width)) * state_->unit).upper();
+  const Place wanted = cube.colour == CubeColour::black ? Place::inside : Place::outside;
+  if (state_->meshes) return state_->meshes->lies(wanted, centre, half_width, interrupted);
+  const ExactChecker& checker = *state_->checker;
+  const EmptyNeighbourhood all(checker.set(), checker.primitives(), centre, half_width, wanted);
   std::vector<EmptyNeighbourhood::Cell> open{all.whole()};
   for (int looks = 0; !open.empty(); ++looks) {
     if (interrupted && interrupted()) return false;

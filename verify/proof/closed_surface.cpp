@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"

@@ -1,6 +1,4 @@
-/// This file implements contained_ball.hpp.
-#include "verify/proof/contained_ball.hpp"
-
+/// The balls of posed_superquadric.hpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/solids/superquadric.hpp"
 
 // Let d1, d2, d3 >= 0 with q + d_i proven in the solid K, and c with c·d_i >= t |c|, c >= 0, not 0. A vector v of the

@@ -1,5 +1,4 @@
-/// This file implements containment_checker.hpp, and the ContainmentChecker of recovery.hpp.
-#include "verify/proof/containment_checker.hpp"
+/// The unions of side_checker.hpp, and the ContainmentChecker of recovery.hpp.
 
 #include <fmt/format.h>
 
@@ -13,11 +12,11 @@
 #include <verisq/clearance.hpp>
 #include <verisq/error.hpp>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/pair_checker.hpp"
 #include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
 
 namespace verisq::verify {

@@ -3,10 +3,13 @@
 #include <utility>
 
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/check_steps.hpp"
+#include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/proven_surface.hpp"
 #include "verify/proof/triangle_piece.hpp"
+#include "verify/proof/triangle_tree.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/deviation.hpp"
 
 namespace verisq {
@@ -56,6 +59,42 @@ Enclosure larger(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
 }
 
+DistanceSummary nothing_known(std::size_t percentiles) {
+  return {{0.0, infinity}, {0.0, infinity}, std::vector<Enclosure>(percentiles, {0.0, infinity})};
+}
+
+/// The surface of a model that is one mesh, seen in its own frame, so that areas are those of its own triangles. The
+/// other triangles are moved there, and rounded. The distances need no certificate; a proof only divides triangles.
+DistanceSummary of_surface(const Primitive& primitive, const Mesh& others, const std::vector<TriangleProof>& proof,
+                           std::span<const double> percentiles, verify::CheckSteps& steps) {
+  const Mesh& own = *primitive.mesh;
+  const verify::PlacedMesh seen = verify::placed(others, verify::RigidMotion(primitive.pose).inverse());
+  if (!(seen.displacement < infinity)) return nothing_known(percentiles.size());
+  const verify::TriangleTree tree(verify::triangles_of(seen.mesh));
+  const auto distance = [&](const Point& x) {
+    const Enclosure to_seen = verify::widened(tree.nearest(x).distance, seen.displacement);
+    return Enclosure{std::max(0.0, to_seen.lo), to_seen.hi};
+  };
+  const verify::SampleProofs proofs{[&](const Point& x, const CertifiedEnclosure&) { return distance(x); },
+                                    [](const Point&, double, const Certificate&) { return false; }, false};
+  std::vector<Enclosure> rows(own.vertices.size());
+  steps.each(rows.size(), [&](std::size_t i) { rows[i] = distance(own.vertices[i]); });
+  std::vector<TriangleDistances> triangles(own.triangles.size());
+  steps.each(triangles.size(), [&](std::size_t n) {
+    const auto& [a, b, c] = own.triangles[n];
+    triangles[n] = verify::distances_on({own.vertices[a], own.vertices[b], own.vertices[c]},
+                                        {rows[a], rows[b], rows[c]}, proof[n], proofs);
+  });
+  return of_triangles(own, rows, triangles, percentiles);
+}
+
+/// The steps of that work; 0 for a proof that is not of this model.
+std::size_t steps_of_surface(const Model& model, const SurfaceProof& proof) {
+  const bool is_mesh = model.primitives.size() == 1 && model.primitives.front().mesh;
+  if (!is_mesh || model.primitives.front().mesh->triangles.size() != proof.triangles.size()) return 0;
+  return model.primitives.front().mesh->vertices.size() + proof.triangles.size();
+}
+
 }  // namespace
 
 Finding check(const Enclosure& claimed, const Enclosure& proven) {
@@ -95,7 +134,9 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
   const verify::SampleProofs proofs = tally.proofs();
   ProvenDeviation result;
   const std::optional<SurfaceProof>& surface = certificate.surface;
-  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size() + (surface ? verify::parts_of(*surface) : 0),
+  const std::size_t of_model = surface ? steps_of_surface(state_->samples.model(), *surface) : 0;
+  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size() + of_model +
+                               (surface && of_model == 0 ? verify::parts_of(*surface) : 0),
                            options.check);
   std::vector<Enclosure> rows(mesh.vertices.size());
   steps.each(rows.size(), [&](std::size_t i) { rows[i] = tally(mesh.vertices[i], certificate.vertices[i]); });
@@ -105,7 +146,16 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
     triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
                                         {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
   });
-  if (surface && !rows.empty()) {
+  if (of_model > 0) {
+    const DistanceSummary proven =
+        of_surface(state_->samples.model().primitives.front(), mesh, surface->triangles, options.percentiles, steps);
+    result.from_model = proven.largest;
+    if (options.statistics_of_model) result.statistics_from_model = {proven.mean, proven.percentiles};
+  } else if (surface && has_mesh(state_->samples.model())) {
+    result.from_model = {0.0, infinity};
+    if (options.statistics_of_model)
+      result.statistics_from_model = {{0.0, infinity}, {options.percentiles.size(), {0.0, infinity}}};
+  } else if (surface && !rows.empty()) {
     const verify::ProvenSurface proven =
         verify::proven_surface(verify::triangles_of(mesh), *surface, options, state_->samples, proofs.distance, steps);
     result.from_model = proven.largest;

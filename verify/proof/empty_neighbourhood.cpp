@@ -14,20 +14,6 @@ Place opposite(Place place) {
   return static_cast<Place>(-static_cast<int>(place));
 }
 
-/// The place relative to the set, from the places relative to its primitives (docs/mathematics.md §11).
-Place place_of(const SetExpression& set, std::span<const Place> primitives) {
-  if (set.operands.empty()) return primitives[set.primitive];
-  const Place deciding = set.operation == SetOperation::unite ? Place::inside : Place::outside;
-  Place result = opposite(deciding);
-  for (std::size_t i = 0; i < set.operands.size(); ++i) {
-    const Place found = place_of(set.operands[i], primitives);
-    const bool removed = set.operation == SetOperation::subtract && i > 0;
-    if ((removed ? opposite(found) : found) == deciding) return deciding;
-    if (found == Place::undecided) result = found;
-  }
-  return result;
-}
-
 /// {centre + e : normal·e <= offset} contains the relevant part of the cell.
 struct Cut {
   PreciseVector normal;  ///< exact
@@ -96,14 +82,31 @@ Real least_square(const Reach& reach, const PreciseVector& o, std::span<const Cu
 
 }  // namespace
 
-Place place_of(const PreciseVector& x, const SetExpression& set, std::span<const PosedPrimitive> primitives) {
+Place place_of(const SetExpression& set, std::span<const Place> primitives) {
+  if (set.operands.empty()) return primitives[set.primitive];
+  const Place deciding = set.operation == SetOperation::unite ? Place::inside : Place::outside;
+  Place result = opposite(deciding);
+  for (std::size_t i = 0; i < set.operands.size(); ++i) {
+    const Place found = place_of(set.operands[i], primitives);
+    const bool removed = set.operation == SetOperation::subtract && i > 0;
+    if ((removed ? opposite(found) : found) == deciding) return deciding;
+    if (found == Place::undecided) result = found;
+  }
+  return result;
+}
+
+Place place_of(const PreciseVector& x, const PosedPrimitive& primitive) {
   const auto place = [&](const auto& solid) {
     if (solid.misses(x)) return Place::outside;
     const auto own = solid.over(x, {});
     return own ? place_in(own->range, solid.bounds()) : Place::undecided;
   };
+  return std::visit(place, primitive);
+}
+
+Place place_of(const PreciseVector& x, const SetExpression& set, std::span<const PosedPrimitive> primitives) {
   std::vector<Place> places;
-  for (const PosedPrimitive& primitive : primitives) places.push_back(std::visit(place, primitive));
+  for (const PosedPrimitive& primitive : primitives) places.push_back(place_of(x, primitive));
   return place_of(set, places);
 }
 

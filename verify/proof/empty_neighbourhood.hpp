@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/mesh.hpp"
 
@@ -16,7 +16,11 @@ namespace verisq::verify {
 /// The place of a region relative to a set: the region has no point of the set, or lies in its interior.
 enum class Place : std::int8_t { outside = -1, undecided = 0, inside = 1 };
 
-/// The place of a point that lies in the box x. Precondition: finite.
+/// The place of a region relative to the set, from its places relative to the primitives (docs/mathematics.md §11).
+[[nodiscard]] Place place_of(const SetExpression& set, std::span<const Place> primitives);
+
+/// The place of all points of the box x. Precondition: finite.
+[[nodiscard]] Place place_of(const PreciseVector& x, const PosedPrimitive& primitive);
 [[nodiscard]] Place place_of(const PreciseVector& x, const SetExpression& set,
                              std::span<const PosedPrimitive> primitives);
 

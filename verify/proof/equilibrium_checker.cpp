@@ -15,6 +15,7 @@
 #include <vector>
 #include <verisq/error.hpp>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/located_equilibria.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verisq/stance_equilibrium.hpp"

@@ -58,15 +58,6 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
   return of_primitives > 0.0 || primitives.size() == 1 ? of_primitives : -infinity;
 }
 
-/// The model's set operations, or the union of all primitives if it has none.
-SetExpression set_of(const Model& model) {
-  if (model.csg) return *model.csg;
-  SetExpression all;
-  for (std::uint32_t i = 0; i < model.primitives.size(); ++i)
-    all.operands.push_back({.operands = {}, .operation = SetOperation::unite, .primitive = i});
-  return all;
-}
-
 /// `claimed` or less as soon as a normal proves it, else the least upper end that a normal proves. Inside, a normal may
 /// cost the proof of a ball, some seconds if it fails. So only the first few normals of a row are tried, and only one
 /// of a convex primitive, whose ball no normal changes.
@@ -114,17 +105,24 @@ Certificate known(Primitives primitives, Certificate certificate) {
 
 }  // namespace
 
+SetExpression set_of(const Model& model) {
+  if (model.csg) return *model.csg;
+  SetExpression all;
+  for (std::uint32_t i = 0; i < model.primitives.size(); ++i)
+    all.operands.push_back({.operands = {}, .operation = SetOperation::unite, .primitive = i});
+  return all;
+}
+
+PosedPrimitive posed(const Primitive& primitive) {
+  if (is_bent(primitive)) return PosedBent(primitive);
+  return PosedSuperquadric(primitive);
+}
+
 ExactChecker::ExactChecker(const Model& model) {
   require_valid(model);
   set_ = set_of(model);
   is_union_ = is_union(model);
-  for (const Primitive& primitive : model.primitives) {
-    if (is_bent(primitive)) {
-      primitives_.emplace_back(std::in_place_type<PosedBent>, primitive);
-    } else {
-      primitives_.emplace_back(std::in_place_type<PosedSuperquadric>, primitive);
-    }
-  }
+  for (const Primitive& primitive : model.primitives) primitives_.push_back(posed(primitive));
 }
 
 /// True where the neighbourhood is proven to hold nothing of the solid, or of the closure of its complement.

@@ -11,6 +11,12 @@
 
 namespace verisq::verify {
 
+/// The model's set operations; without any, the union of all primitives.
+[[nodiscard]] SetExpression set_of(const Model& model);
+
+/// Precondition: not a mesh.
+[[nodiscard]] PosedPrimitive posed(const Primitive& primitive);
+
 /// Immutable after construction: safe to call from many threads.
 class ExactChecker {
  public:

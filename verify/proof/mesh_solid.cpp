@@ -7,9 +7,11 @@
 #include <type_traits>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/vector.hpp"
+#include "verify/proof/closed_surface.hpp"
 #include "verify/solids/closed_edges.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh.hpp"
@@ -256,6 +258,18 @@ std::vector<Triangle> closed_triangles(const Mesh& mesh) {
   return triangles_of(mesh);
 }
 
+/// Parts that only meet in a place have a vertex each.
+std::vector<Point> one_on_each_surface(const Mesh& mesh) {
+  const std::vector<std::uint32_t> part = connected_parts(mesh);
+  std::vector<bool> seen(part.size(), false);
+  std::vector<Point> points;
+  for (const auto& [corner, b, c] : mesh.triangles) {
+    if (!seen[part[corner]]) points.push_back(mesh.vertices[corner]);
+    seen[part[corner]] = true;
+  }
+  return points;
+}
+
 /// A box of binary64 numbers about the point.
 struct Box {
   Point lower, upper;
@@ -270,7 +284,10 @@ struct Box {
 
 }  // namespace
 
-MeshSolid::MeshSolid(const Primitive& primitive) : motion_(primitive.pose), tree_(closed_triangles(*primitive.mesh)) {}
+MeshSolid::MeshSolid(const Primitive& primitive)
+    : motion_(primitive.pose),
+      tree_(closed_triangles(*primitive.mesh)),
+      on_surfaces_(one_on_each_surface(*primitive.mesh)) {}
 
 std::optional<int> MeshSolid::winding_number(const PreciseVector& own, std::size_t axis, bool upward) const {
   Box ray(own);
@@ -317,8 +334,7 @@ std::optional<bool> MeshSolid::lies_on_one_of(std::span<const std::uint32_t> tri
 
 /// From a binary64 point that is no farther than `displacement`, the nearest triangle is at most `reach` away, and so
 /// is the one nearest to the point itself.
-Enclosure MeshSolid::signed_distance(const Point& point) const {
-  const PreciseVector own = motion_.local_point(point);
+Enclosure MeshSolid::signed_distance_of(const PreciseVector& own) const {
   const Point near = Box(own).lower;
   if (!is_finite(near)) return {-infinity, infinity};
   const double displacement = length<Real>(PreciseVector(own - precise(near))).upper().to_double(Direction::up);
@@ -339,6 +355,79 @@ Enclosure MeshSolid::signed_distance(const Point& point) const {
   const std::optional<int> winding = is_on ? winding_number(winds_alike ? precise(near) : own) : std::nullopt;
   if (!winding) return {-distance.hi, distance.hi};
   return *winding == 0 ? distance : Enclosure{-distance.hi, -distance.lo};
+}
+
+namespace {
+
+/// A cube in a mesh's own frame: {centre + e1 axis_1 + e2 axis_2 + e3 axis_3 : |e_i| <= 1}.
+struct TurnedCube {
+  PreciseVector centre;
+  std::array<PreciseVector, 3> axes;
+
+  TurnedCube(const RigidMotion& motion, const PreciseVector& in_model, const Real& half_width) {
+    const PreciseMatrix back = motion.rotation.transpose();
+    centre = back * PreciseVector(in_model - motion.translation);
+    for (std::size_t i = 0; i < 3; ++i) axes[i] = back.column(i) * PreciseInterval(half_width);
+  }
+
+  /// No smaller than n·(x - centre) of any point x of the cube.
+  [[nodiscard]] Real reach(const PreciseVector& n) const {
+    return (abs(n.dot(axes[0])) + abs(n.dot(axes[1])) + abs(n.dot(axes[2]))).upper();
+  }
+};
+
+/// True proves that no point of the triangle lies in the cube: a direction separates them. The directions are those of
+/// the separating axis theorem, by which one of them separates any that do not meet.
+bool keeps_off(const PreciseTriangle& triangle, const TurnedCube& cube) {
+  std::array<PreciseVector, 3> ways;
+  std::array<PreciseVector, 3> sides;
+  for (std::size_t k = 0; k < 3; ++k) {
+    ways[k] = triangle[k] - cube.centre;
+    sides[k] = triangle[(k + 1) % 3] - triangle[k];
+  }
+  const auto separates = [&](const PreciseVector& n) {
+    const std::array along{n.dot(ways[0]), n.dot(ways[1]), n.dot(ways[2])};
+    const Real reach = cube.reach(n);
+    return std::ranges::all_of(along, [&](const PreciseInterval& x) { return x.lower() > reach; }) ||
+           std::ranges::all_of(along, [&](const PreciseInterval& x) { return x.upper() < -reach; });
+  };
+  if (std::ranges::any_of(cube.axes, separates) || separates(cross(sides[0], sides[1]))) return true;
+  return std::ranges::any_of(cube.axes, [&](const PreciseVector& axis) {
+    return std::ranges::any_of(sides, [&](const PreciseVector& side) { return separates(cross(axis, side)); });
+  });
+}
+
+}  // namespace
+
+/// Where no triangle comes into the cube, all of its points have the winding number of its centre.
+Place MeshSolid::place_of_cube(const PreciseVector& centre, const Real& half_width) const {
+  const TurnedCube cube(motion_, centre, half_width);
+  const Enclosure at_centre = signed_distance_of(cube.centre);
+  if (at_centre.lo <= 0.0 && at_centre.hi >= 0.0) return Place::undecided;
+  const Place place = at_centre.lo > 0.0 ? Place::outside : Place::inside;
+  const PreciseInterval half_diagonal = PreciseInterval(half_width) * sqrt(PreciseInterval(3));
+  if (Real(std::max(at_centre.lo, -at_centre.hi)) > half_diagonal.upper()) return place;
+  Point lower, upper;
+  for (std::size_t i = 0; i < 3; ++i) {
+    PreciseVector along;
+    along[i] = 1;
+    const PreciseInterval reach(cube.reach(along));
+    lower[i] = (cube.centre[i] - reach).lower().to_double(Direction::down);
+    upper[i] = (cube.centre[i] + reach).upper().to_double(Direction::up);
+  }
+  const auto is_off = [&](std::uint32_t n) { return keeps_off(corners_of(tree_.triangle(n)), cube); };
+  return std::ranges::all_of(tree_.overlapping(lower, upper), is_off) ? place : Place::undecided;
+}
+
+PlacedMesh placed(const Mesh& mesh, const RigidMotion& motion) {
+  PlacedMesh result{mesh};
+  for (Point& vertex : result.mesh.vertices) {
+    const PreciseVector exact = motion(precise(vertex));
+    vertex = Box(exact).lower;
+    const Real off = length<Real>(PreciseVector(exact - precise(vertex))).upper();
+    result.displacement = std::max(result.displacement, off.to_double(Direction::up));
+  }
+  return result;
 }
 
 }  // namespace verisq::verify

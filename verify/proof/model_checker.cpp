@@ -88,4 +88,67 @@ Enclosure ModelChecker::operator()(const Triangle& triangle, const Enclosure& cl
   return (*others_)(triangle, claimed, certificate, interrupted);
 }
 
+MeshCubes::MeshCubes(const Model& model) {
+  require_valid_with_meshes(model);
+  set_ = set_of(model);
+  for (const Primitive& primitive : model.primitives) {
+    if (primitive.mesh) {
+      solids_.emplace_back(std::make_shared<const MeshSolid>(primitive));
+    } else {
+      solids_.emplace_back(posed(primitive));
+    }
+  }
+}
+
+bool MeshCubes::lies(Place wanted, const PreciseVector& centre, const Real& half_width, const Hook& interrupted) const {
+  constexpr int most_looks = 4096;
+  struct Part {
+    PreciseVector centre;
+    Real half;
+  };
+  std::vector<Part> open{{centre, half_width}};
+  for (int looks = 0; !open.empty(); ++looks) {
+    if (interrupted && interrupted()) return false;
+    const Part part = open.back();
+    open.pop_back();
+    const PreciseInterval half(part.half);
+    std::vector<Place> places;
+    for (const Solid& solid : solids_) {
+      const auto* const mesh = std::get_if<std::shared_ptr<const MeshSolid>>(&solid);
+      places.push_back(
+          mesh ? (*mesh)->place_of_cube(part.centre, part.half)
+               : place_of(part.centre + box_of({part.half, part.half, part.half}), std::get<PosedPrimitive>(solid)));
+    }
+    const Place place = place_of(set_, places);
+    if (place == wanted) continue;
+    if (place != Place::undecided || looks == most_looks) return false;
+    const Real quarter = (half * PreciseInterval(Real(0.5))).upper();
+    for (unsigned n = 0; n < 8; ++n) {
+      const auto step = [&](unsigned i) { return (n >> i & 1U) != 0 ? quarter : -quarter; };
+      open.push_back({part.centre + PreciseVector(step(0), step(1), step(2)), quarter});
+    }
+  }
+  return true;
+}
+
+Real MeshCubes::reach(const PreciseVector& centre) const {
+  const auto of_mesh = [&](const MeshSolid& mesh) {
+    const PreciseVector lower = precise(mesh.tree().lower());
+    const PreciseVector upper = precise(mesh.tree().upper());
+    const PreciseInterval half(Real(0.5));
+    const PreciseVector middle = mesh.motion()((lower + upper) * half);
+    return length<Real>(PreciseVector(middle - centre)) + length<Real>(PreciseVector(upper - lower)) * half;
+  };
+  const auto of_primitive = [&](const auto& solid) {
+    return length<Real>(PreciseVector(solid.motion().translation - centre)) + solid.radius();
+  };
+  Real farthest(0);
+  for (const Solid& solid : solids_) {
+    const auto* const mesh = std::get_if<std::shared_ptr<const MeshSolid>>(&solid);
+    const PreciseInterval reach = mesh ? of_mesh(**mesh) : std::visit(of_primitive, std::get<PosedPrimitive>(solid));
+    farthest = std::max(farthest, reach.upper());
+  }
+  return farthest;
+}
+
 }  // namespace verisq::verify

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "verify/proof/exact_checker.hpp"
@@ -37,6 +38,28 @@ class ModelChecker {
   std::vector<std::shared_ptr<const MeshSolid>> meshes_;  ///< in a header of their own: others need not read it
   std::optional<ExactChecker> others_;                    ///< of all that are no meshes
   std::vector<std::optional<std::uint32_t>> place_;       ///< of each primitive among the others
+};
+
+/// The places of cubes relative to a model with closed meshes, whatever its set operations are. Immutable after
+/// construction: safe to call from many threads.
+class MeshCubes {
+ public:
+  /// Throws Error(input) for a model that is not valid, and for a mesh that is not closed.
+  explicit MeshCubes(const Model& model);
+
+  /// True where the cube about any point of the enclosed centre is proven to lie outside of the solid, or in its
+  /// interior, as wanted: by parts of it where it takes that. False once interrupted.
+  [[nodiscard]] bool lies(Place wanted, const PreciseVector& centre, const Real& half_width,
+                          const Hook& interrupted) const;
+
+  /// No smaller than the distance of any point of the solid from `centre`.
+  [[nodiscard]] Real reach(const PreciseVector& centre) const;
+
+ private:
+  using Solid = std::variant<std::shared_ptr<const MeshSolid>, PosedPrimitive>;
+
+  SetExpression set_;
+  std::vector<Solid> solids_;  ///< of each primitive
 };
 
 }  // namespace verisq::verify

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/check_steps.hpp"
+#include "verify/proof/mesh_pair_checker.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proof/way_checker.hpp"
 #include "verify/solids/model.hpp"
@@ -16,15 +18,11 @@
 
 namespace verisq::verify {
 
-namespace {
-
-/// x / max(1, g(x)), with g rounded up: the gauge of the result is at most 1.
+/// The gauge of the result is at most 1.
 PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
   const Real gauge = solid.gauge_up(x);
   return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
 }
-
-}  // namespace
 
 Real PairBounds::lower_by_vector(const PreciseVector& v) const {
   const PreciseVector w = relative_.rotation.transpose() * v;
@@ -133,8 +131,10 @@ double least_distance(const MovingPairs& moving, const PairCertificate& certific
 
 }  // namespace
 
-std::variant<ModelPair::Convex, ModelPair::Solids> ModelPair::models_of(const Model& a, const Model& b) {
-  for (const Model* const model : {&a, &b}) require_valid(*model);
+std::variant<ModelPair::Convex, ModelPair::Solids, ModelPair::Meshes> ModelPair::models_of(const Model& a,
+                                                                                           const Model& b) {
+  for (const Model* const model : {&a, &b}) require_valid_with_meshes(*model);
+  if (has_mesh(a) || has_mesh(b)) return std::make_shared<const MeshPairChecker>(a, b);
   if (is_union_of_convex(a) && is_union_of_convex(b)) return Convex{PosedPrimitives(a), PosedPrimitives(b)};
   return Solids{SolidParts(a), SolidParts(b)};
 }
@@ -145,6 +145,8 @@ Enclosure ModelPair::distance(const RigidMotion& pose, const PairCertificate& ce
                               const Hook& interrupted) const {
   if (const auto* const solids = std::get_if<Solids>(&models_))
     return SolidPair(solids->a, solids->b, ShortMotion(pose), interrupted).at_moment(certificate);
+  if (const auto* const meshes = std::get_if<Meshes>(&models_))
+    return (*meshes)->distance(ShortMotion(pose), certificate.common, interrupted);
   const auto& [a, b] = std::get<Convex>(models_);
   const MovingPairs resting(a, b, ShortMotion(pose));
   const PosedPairs& pairs = resting.pairs();
@@ -162,6 +164,8 @@ Enclosure ModelPair::distance(const RigidMotion& pose, const PairCertificate& ce
 double ModelPair::lower(const ShortMotion& motion, const PairCertificate& certificate, const Hook& interrupted) const {
   if (const auto* const solids = std::get_if<Solids>(&models_))
     return std::max(0.0, SolidPair(solids->a, solids->b, motion, interrupted).lower(certificate));
+  if (const auto* const meshes = std::get_if<Meshes>(&models_))
+    return (*meshes)->distance(motion, std::nullopt, interrupted).lo;
   const auto& [a, b] = std::get<Convex>(models_);
   const MovingPairs moving(a, b, motion);
   return least_distance(moving, certificate, interrupted,

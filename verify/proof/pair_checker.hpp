@@ -1,6 +1,7 @@
 /// Proves distances of two models again: the parts of a proof for a pair, the bounds that it gives, its checker.
 #pragma once
 
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+class MeshPairChecker;
 
 // Bounds of the distance of two convex solids, at rest and in motion.
 
@@ -119,7 +122,11 @@ class MovingPairs {
 
 // Checks of the distance of two models, at rest and along a path.
 
-/// Convex primitives by their support functions and gauges, all others by sections and places. Immutable.
+/// x / max(1, g(x)), with g rounded up: a point of the solid.
+[[nodiscard]] PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x);
+
+/// Convex primitives by their support functions and gauges, models with meshes by their triangles, all others by
+/// sections and places. Immutable.
 class ModelPair {
  public:
   ModelPair(const Model& a, const Model& b);
@@ -139,10 +146,11 @@ class ModelPair {
   };
   using Convex = Two<PosedPrimitives>;
   using Solids = Two<SolidParts>;
+  using Meshes = std::shared_ptr<const MeshPairChecker>;
 
-  static std::variant<Convex, Solids> models_of(const Model& a, const Model& b);
+  static std::variant<Convex, Solids, Meshes> models_of(const Model& a, const Model& b);
 
-  std::variant<Convex, Solids> models_;
+  std::variant<Convex, Solids, Meshes> models_;
 };
 
 }  // namespace verisq::verify

@@ -1,14 +1,52 @@
-/// Superquadrics in their place, bent or not, and the bounds that certificates prove about them.
+/// Superquadrics in their place, bent or not, the balls that they contain, and the bounds that certificates prove about
+/// points and triangles.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <variant>
 
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+// Proves that a ball lies inside a superquadric: the upper end of the signed distance of a point inside.
+
+/// Radius of a ball about the origin of the solid's own frame that lies inside.
+[[nodiscard]] PreciseInterval inner_radius(const Superquadric& solid);
+
+/// Radius, rounded down, of a ball about q that lies inside the solid because a ball about the origin does: exact at
+/// the centre of a sphere. It holds for every point of the box q, in the solid's frame. The radius is 0 if nothing is
+/// proven.
+[[nodiscard]] double central_depth(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                   const PreciseVector& q);
+
+/// Returns whether the ball of the given radius about every point of the box q, in the solid's frame, is proven to lie
+/// inside the solid. False if the ball does not lie inside, if the proof would take more than some 50,000 points of the
+/// surface, or if it is `interrupted`. Every statement is proven in 127 bits.
+[[nodiscard]] bool contains_ball(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                 const PreciseVector& q, double radius, const Hook& interrupted = {});
+
+// Proves that a ball lies inside a bent superquadric by one evaluation at the point where the ball comes closest to the
+// boundary.
+
+/// A ball about q with p on its sphere. Places are unbent, in the solid's own frame; stretches are 1 - k r.
+struct BentBall {
+  PreciseInterval radius;  ///< |p - q|
+  PreciseVector query;     ///< β⁻¹(q)
+  PreciseInterval query_stretch;
+  PreciseVector touching;  ///< c = β⁻¹(p)
+  PreciseInterval touching_stretch;
+  PreciseVector normal;  ///< β'(c)ᵀ (p - q)
+};
+
+/// Returns whether the ball is proven to lie in the bent solid, by docs/mathematics.md §9, "Points inside", which
+/// defines the notation. `curvature` is |k|. False for tapers and for exponents above 1.
+[[nodiscard]] bool is_bent_ball_contained(const Superquadric& solid, const PreciseInterval& curvature,
+                                          const BentBall& ball);
 
 // One posed superquadric K and the bounds that single evaluations prove about a point of the model frame.
 //
@@ -148,5 +186,56 @@ class PosedBent {
   PreciseInterval angle_;          ///< the largest |γ| of K
   PreciseInterval radius_;         ///< radius of a sphere about the origin that contains β(K)
 };
+
+// Bounds that single evaluations prove for the distance of a triangle to one posed superquadric (docs/mathematics.md
+// §6).
+
+using PosedPrimitive = std::variant<PosedSuperquadric, PosedBent>;
+
+/// w_1, w_2 of the point t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0).
+using Weights = std::array<double, 2>;
+
+/// Returns whether w_1, w_2 >= 0 and w_1 + w_2 <= 1 exactly: the point belongs to the triangle. False for NaN.
+[[nodiscard]] bool in_triangle(const Weights& weights);
+
+/// The point with these weights, for corners in any frame.
+[[nodiscard]] PreciseVector point_of(const std::array<PreciseVector, 3>& corners, const Weights& weights);
+
+/// A triangle in the frame of one primitive. Its corners are binary64 numbers in the model frame. Here they, and all
+/// numbers computed from them, are enclosed to the rounding of 127 bits.
+class PosedTriangle {
+ public:
+  PosedTriangle(const Triangle& triangle, const RigidMotion& motion);
+
+  [[nodiscard]] const std::array<PreciseVector, 3>& corners() const { return corners_; }
+  [[nodiscard]] PreciseVector point(const Weights& weights) const { return point_of(corners_, weights); }
+
+ private:
+  std::array<PreciseVector, 3> corners_;
+};
+
+// Rounded outward to binary64. Distances of triangles are never negative, these bounds may be.
+
+/// d >= min_i u·(t_i - centre) / |u| - radius; u is the triangle's point closest to the centre, found in floating
+/// point.
+[[nodiscard]] double lower_by_sphere(const PreciseVector& centre, const PreciseInterval& radius,
+                                     const Triangle& triangle);
+[[nodiscard]] double lower_by_sphere(const auto& solid, const Triangle& triangle) {
+  return lower_by_sphere(solid.motion().translation, solid.radius(), triangle);
+}
+[[nodiscard]] double lower_by_sphere(const auto& solid, const Point& x) {
+  return solid.lower_by_sphere(x);
+}
+
+/// d >= (min_i v·t_i - h(v)) / |v| for every v: the half-space {v·x <= h(v)} contains the solid, and the convex
+/// triangle lies beyond it if its corners do. Minus infinity for a zero or non-finite v.
+[[nodiscard]] double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v);
+/// For bent solids, which have no support function, this proves nothing.
+[[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Triangle& triangle, const Proposal& v);
+[[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Point& x, const Proposal& v);
+
+/// d <= 0 if the point q of the triangle has g(q) <= 1. Else d <= |q - b|, where b = (q - v) / g(q - v) lies in the
+/// solid; infinity for a zero or non-finite v.
+[[nodiscard]] double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v);
 
 }  // namespace verisq::verify

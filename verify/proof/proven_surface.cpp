@@ -100,7 +100,7 @@ WeightedCell on_boundary(WeightedCell patch, bool whole, double largest) {
 ProvenSamples::ProvenSamples(const Model& model)
     : model_(model),
       checker_(model),
-      primitives_(model),
+      primitives_(has_mesh(model) ? std::nullopt : std::optional<ExactChecker>(model)),
       is_union_(verify::is_union(model)),
       convex_(is_one_convex_primitive(model)) {}
 
@@ -113,10 +113,10 @@ Enclosure ProvenSamples::distance(const Point& x, const CertifiedEnclosure& clai
 
 /// The others are farther, by spheres and normals.
 bool ProvenSamples::is_one_convex(const Point& x, double reach, const Certificate& certificate) const {
-  if (!is_union_ || !std::isfinite(reach)) return false;
+  if (!is_union_ || !primitives_ || !std::isfinite(reach)) return false;
   std::size_t near = 0;
   bool convex_one = false;
-  const std::span<const PosedPrimitive> all = primitives_.primitives();
+  const std::span<const PosedPrimitive> all = primitives_->primitives();
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     double lower = std::visit([&](const auto& solid) { return solid.lower_by_sphere(x); }, all[i]);
     for (const auto& [primitive, v] : certificate.normals) {
@@ -131,9 +131,9 @@ bool ProvenSamples::is_one_convex(const Point& x, double reach, const Certificat
 
 bool ProvenSamples::are_others_away(const Point& x, double reach, std::size_t primitive, const Certificate& certificate,
                                     const Hook& interrupted) const {
-  if (!std::isfinite(reach)) return false;
+  if (!primitives_ || !std::isfinite(reach)) return false;
   const double beyond = std::nextafter(reach, infinity);  // the ball lies in the interior
-  const std::span<const PosedPrimitive> all = primitives_.primitives();
+  const std::span<const PosedPrimitive> all = primitives_->primitives();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i == primitive || std::visit([&](const auto& solid) { return solid.lower_by_sphere(x); }, all[i]) > reach)
       continue;

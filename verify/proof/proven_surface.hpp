@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/surface_patch.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/proof/verdict.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/deviation.hpp"
 #include "verisq/enclosure.hpp"
@@ -61,7 +61,7 @@ class ProvenSamples {
   [[nodiscard]] Enclosure distance(const Point& x, const CertifiedEnclosure& claimed, bool& proved,
                                    const Hook& interrupted = {}) const;
 
-  /// The function `is_one_convex` of `SampleProofs`.
+  /// The function `is_one_convex` of `SampleProofs`. False for a model with meshes.
   [[nodiscard]] bool is_one_convex(const Point& x, double reach, const Certificate& certificate) const;
 
   /// Returns whether the model is the union of its primitives.
@@ -69,14 +69,14 @@ class ProvenSamples {
 
   /// Returns whether it is proven that no other primitive's surface comes within `reach` of the point, by spheres and
   /// the normals of the certificate. Then every other primitive is farther or, if the model is not their union,
-  /// contains all of that ball.
+  /// contains all of that ball. False for a model with meshes.
   [[nodiscard]] bool are_others_away(const Point& x, double reach, std::size_t primitive,
                                      const Certificate& certificate, const Hook& interrupted = {}) const;
 
  private:
   Model model_;
   Checker checker_;
-  ExactChecker primitives_;
+  std::optional<ExactChecker> primitives_;  ///< of a model without meshes
   bool is_union_;
   bool convex_;
 };

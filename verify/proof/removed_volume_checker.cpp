@@ -11,12 +11,12 @@
 #include <string>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
-#include "verify/proof/bone_surface.hpp"
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/verdict.hpp"
 #include "verify/proof/volume_in_cube.hpp"
 #include "verify/proof/way_checker.hpp"
 #include "verify/solids/model.hpp"

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/contained_ball.hpp"
-#include "verify/proof/verdict.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/model.hpp"

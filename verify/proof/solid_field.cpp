@@ -7,10 +7,11 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "verify/numbers/core_trigonometry.hpp"
+#include "verify/numbers/functions.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/gjk.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 

@@ -6,10 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "verify/numbers/core_trigonometry.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 

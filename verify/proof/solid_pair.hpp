@@ -12,7 +12,6 @@
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/solids/paths.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/model.hpp"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {

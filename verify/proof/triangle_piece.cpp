@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"

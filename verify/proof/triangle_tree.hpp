@@ -47,6 +47,7 @@ class TriangleTree {
   /// may be infinite.
   [[nodiscard]] std::vector<std::uint32_t> overlapping(const Point& lower, const Point& upper) const;
 
+  [[nodiscard]] std::size_t size() const { return triangles_.size(); }
   [[nodiscard]] const Triangle& triangle(std::uint32_t n) const { return triangles_[n]; }
 
   /// The least box about all triangles.

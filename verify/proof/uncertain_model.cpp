@@ -7,7 +7,7 @@
 
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/vector.hpp"
-#include "verify/proof/contained_ball.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/error.hpp"
 #include "verisq/model.hpp"

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"

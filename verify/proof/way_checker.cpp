@@ -13,11 +13,11 @@
 
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/insertion.hpp"

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/search/closest_surface_point.hpp"
+#include "verify/search/convex_primitive.hpp"
 #include "verify/solids/bend.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/support_mapping.hpp"
@@ -11,7 +12,7 @@
 #include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/bend.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"

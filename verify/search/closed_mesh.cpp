@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/proof/triangle_tree.hpp"
@@ -297,19 +298,8 @@ bool is_at_rest(const Pose& pose) {
 }
 
 PlacedMesh placed(const Primitive& primitive) {
-  PlacedMesh result{*primitive.mesh};
-  if (is_at_rest(primitive.pose)) return result;
-  const RigidMotion motion(primitive.pose);
-  for (Point& vertex : result.mesh.vertices) {
-    const Vector3<double> exact = in_binary64(motion(precise(vertex)));
-    Interval square_of_width(0.0);
-    for (std::size_t i = 0; i < 3; ++i) {
-      vertex[i] = exact[i].lower();
-      square_of_width += square(Interval(exact[i].upper()) - Interval(exact[i].lower()));
-    }
-    result.displacement = std::max(result.displacement, sqrt(square_of_width).upper());
-  }
-  return result;
+  if (is_at_rest(primitive.pose)) return {*primitive.mesh};
+  return placed(*primitive.mesh, RigidMotion(primitive.pose));
 }
 
 namespace {

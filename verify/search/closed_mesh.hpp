@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "verify/search/triangle_geometry.hpp"
+#include "verify/proof/mesh_solid.hpp"
 #include "verify/search/wide_tree.hpp"
 #include "verify/solids/closed_edges.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -97,13 +98,7 @@ class ClosedMesh {
 /// Returns whether the pose leaves every point exactly where it is.
 [[nodiscard]] bool is_at_rest(const Pose& pose);
 
-/// The triangles of a primitive that is a mesh, in its place, rounded.
-struct PlacedMesh {
-  Mesh mesh;
-  double displacement = 0.0;  ///< no point lies farther from the exact one
-};
-
-/// Precondition: `primitive.mesh`, finite pose.
+/// The triangles of a primitive that is a mesh, in its place. Precondition: `primitive.mesh`, finite pose.
 [[nodiscard]] PlacedMesh placed(const Primitive& primitive);
 
 /// A primitive that is a mesh, in its place in the model. Immutable: safe to ask from many threads.

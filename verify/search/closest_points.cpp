@@ -1,6 +1,4 @@
 /// Krawczyk's operator first, caps where it does not succeed.
-#include "verify/search/closest_points.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,7 +6,7 @@
 
 #include "verify/numbers/norms.hpp"
 #include "verify/search/krawczyk.hpp"
-#include "verify/search/pair_contact.hpp"
+#include "verify/search/model_distance.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -1,5 +1,4 @@
-/// This file implements closest_surface_point.hpp, and the contacts of contact.hpp.
-#include "verify/search/closest_surface_point.hpp"
+/// The nearest point of a surface of convex_primitive.hpp, and the contacts of contact.hpp.
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +14,6 @@
 #include "verify/search/convex_primitive.hpp"
 #include "verify/search/krawczyk.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 

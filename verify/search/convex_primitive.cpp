@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "verify/proof/contained_ball.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"

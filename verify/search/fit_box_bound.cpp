@@ -8,12 +8,13 @@
 #include <limits>
 #include <numbers>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/objective_bound.hpp"
 #include "verify/proposals/multipliers.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

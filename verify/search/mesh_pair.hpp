@@ -10,7 +10,7 @@
 
 #include "verify/search/mesh_union.hpp"
 #include "verify/search/wide_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
@@ -47,6 +47,8 @@ struct MeshPair {
   Enclosure distance;
   /// They meet, and still do if one of them is moved by no more than this. 0 where that is not known.
   double depth = 0.0;
+  /// Proposed: a point in both, in the frame of A.
+  std::optional<Point> common = {};
 };
 
 /// The distance of two unions of meshes and superquadrics, one of which has a mesh. Immutable: safe to ask from many
@@ -62,7 +64,7 @@ class MeshPairDistance {
   /// Encloses the distance of A and of B moved by `pose`. Once interrupted, the lower end is 0.
   [[nodiscard]] MeshPair operator()(const Pose& pose, const std::function<bool()>& interrupted) const;
 
-  /// As ModelSearch::operator(). Near and common points are left out.
+  /// As ModelSearch::operator(). Near points are left out.
   [[nodiscard]] SearchedDistance searched(const Pose& pose, const SearchOptions& options) const;
 
  private:

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "verify/proof/containment_checker.hpp"
 #include "verify/proof/posed_superquadric.hpp"
+#include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_piece.hpp"
 #include "verify/search/pair_projection.hpp"
 #include "verisq/distance.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/model.hpp"

@@ -15,8 +15,6 @@
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/search/certified_distance.hpp"
-#include "verify/search/closest_points.hpp"
-#include "verify/search/pair_contact.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"

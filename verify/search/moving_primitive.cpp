@@ -1,16 +1,16 @@
 /// The gauge G of the moving primitive, as a function of the place and the time, is least at some time. A plane that
 /// touches the primitive there proposes the plane of the swept set. One evaluation for it and eight for the cube's
 /// corners prove both half-spaces.
-#include "verify/search/moving_primitive.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"
+#include "verify/search/clipped_cube.hpp"
 
 namespace verisq::verify {
 namespace {

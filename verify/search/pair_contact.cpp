@@ -1,6 +1,4 @@
-/// This file implements pair_contact.hpp.
-#include "verify/search/pair_contact.hpp"
-
+/// The contacts of pairs of model_distance.hpp.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/contact.hpp"
+#include "verify/search/model_distance.hpp"
 #include "verify/search/pair_projection.hpp"
 #include "verify/solids/superquadric.hpp"
 

@@ -18,10 +18,9 @@
 #include "verify/proof/solid_pair.hpp"
 #include "verify/proof/way_checker.hpp"
 #include "verify/search/certified_distance.hpp"
-#include "verify/search/pair_contact.hpp"
+#include "verify/search/model_distance.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
-#include "verify/search/solid_pair_certificate.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
 #include "verify/solids/paths.hpp"
@@ -420,9 +419,11 @@ class PathProver {
       : options_(options),
         path_(path),
         distances_(a, b, share_of_moments * options.tolerance),
+        has_meshes_(has_mesh(a) || has_mesh(b)),
         checker_(a, b, path),
         most_parts_(path.size() + most_further_parts) {
-    if (!is_union_of_convex(a) || !is_union_of_convex(b)) places_ = {verify::ExactChecker(a), verify::ExactChecker(b)};
+    if (!has_meshes_ && !(is_union_of_convex(a) && is_union_of_convex(b)))
+      places_ = {verify::ExactChecker(a), verify::ExactChecker(b)};
   }
 
   [[nodiscard]] CertifiedPath operator()(const PathDistance& found) {
@@ -464,9 +465,7 @@ class PathProver {
   /// `hint` was enough nearby. False if a part proves nothing.
   [[nodiscard]] bool prove(double begin, double end, const PairCertificate& hint) {  // NOLINT(misc-no-recursion)
     if (stopped()) return false;
-    for (const PairCertificate& known : {PairCertificate{}, hint}) {
-      if (add_if(goal_, begin, {end, known})) return true;
-    }
+    if (add_if(goal_, begin, {end, {}}) || (!has_meshes_ && add_if(goal_, begin, {end, hint}))) return true;
     const double middle = 0.5 * (begin + end);
     auto [distance, certificate] = distance_at(middle);
     const double hoped =
@@ -510,6 +509,7 @@ class PathProver {
   verify::PosedPath path_;
   CertifiedDistances distances_;
   std::optional<std::array<verify::ExactChecker, 2>> places_;  ///< for models that have covers
+  bool has_meshes_;                                            ///< their distances need no certificates
   PathChecker checker_;
   std::size_t most_parts_;
   double goal_ = 0.0;

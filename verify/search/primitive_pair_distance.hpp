@@ -12,7 +12,6 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/cube.hpp"
-#include "verify/solids/rigid_motion.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/model.hpp"

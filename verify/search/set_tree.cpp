@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/search/closed_mesh.hpp"
 #include "verify/search/convex_primitive.hpp"

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/triangle_pieces.hpp"
 #include "verify/search/union_of_convex.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -24,7 +24,7 @@
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/polytope_distance.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 

@@ -10,7 +10,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
 

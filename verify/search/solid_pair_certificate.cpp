@@ -1,6 +1,4 @@
-/// This file implements solid_pair_certificate.hpp.
-#include "verify/search/solid_pair_certificate.hpp"
-
+/// The balls and covers of solid_pair_distance.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +12,8 @@
 #include "verify/proof/solid_pair.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/search/solid_pair_distance.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -485,6 +486,27 @@ struct ScaledSearch {
   verify::PairSearch search;
 };
 
+/// For models with meshes.
+struct MeshPairSearch {
+  MeshPairSearch(const Model& first, const Model& second) : a(first), b(second), search(first, second) {}
+
+  /// The checker finds the near triangles itself: only a common point has to be named.
+  [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
+                                            const SearchOptions& options) const {
+    std::call_once(is_made, [this] { checker.emplace(a, b); });
+    CertifiedDistance result{found.distance, {.common = found.common}};
+    const Enclosure proven = checker->prove(pose, result.certificate, options.interrupted);
+    result.distance = {std::min(found.distance.lo, proven.lo), std::max(found.distance.hi, proven.hi)};
+    return result;
+  }
+
+  Model a;
+  Model b;
+  verify::MeshPairDistance search;
+  mutable std::once_flag is_made;
+  mutable std::optional<PairChecker> checker;  ///< made for the first certificate
+};
+
 }  // namespace
 
 /// One of the two.
@@ -497,7 +519,7 @@ struct ModelSearch::State {
   }
 
   std::optional<ScaledSearch> superquadrics;
-  std::optional<verify::MeshPairDistance> meshes;
+  std::optional<MeshPairSearch> meshes;
 };
 
 ModelSearch::ModelSearch(const Model& a, const Model& b) {
@@ -512,7 +534,7 @@ ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   verify::require_valid(pose, "pose");
   verify::require_tolerance(options.tolerance);
-  if (state_->meshes) return state_->meshes->searched(pose, options);
+  if (state_->meshes) return state_->meshes->search.searched(pose, options);
   const ScaledSearch& state = *state_->superquadrics;
   if (state.unit == 1.0) return state.search(pose, options);
   const std::optional<Pose> in_units = verify::in_units(pose, state.unit);
@@ -537,7 +559,7 @@ SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& 
 
 CertifiedDistance ModelSearch::certified(const Pose& pose, const SearchedDistance& found,
                                          const SearchOptions& options) const {
-  if (state_->meshes) throw Error(ErrorKind::input, "pairs with meshes have no certificates so far");
+  if (state_->meshes) return state_->meshes->certified(pose, found, options);
   const ScaledSearch& state = *state_->superquadrics;
   if (state.unit == 1.0) return state.search.certified(pose, found, options);
   return verify::PairSearch(state.a, state.b).certified(pose, found, options);

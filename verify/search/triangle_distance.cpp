@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "verify/proof/exact_checker.hpp"
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/certified_distance.hpp"

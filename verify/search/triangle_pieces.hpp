@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "verify/proof/triangle_certificate.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verisq/mesh.hpp"
 
 namespace verisq::verify {

@@ -11,7 +11,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/set_tree.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

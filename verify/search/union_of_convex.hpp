@@ -9,7 +9,6 @@
 
 #include "verify/proof/exact_checker.hpp"
 #include "verify/search/bent_distance.hpp"
-#include "verify/search/closest_surface_point.hpp"
 #include "verify/search/convex_primitive.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/distance.hpp"

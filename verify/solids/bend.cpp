@@ -1,9 +1,14 @@
-/// This file implements bend.hpp.
+/// This file implements bend.hpp, and the refusal of bends that model.hpp declares.
 #include "verify/solids/bend.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "verify/numbers/functions.hpp"
+#include "verify/solids/model.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
@@ -207,6 +212,14 @@ PreciseVector bent_box(const Bend& bend, const Superquadric& superquadric) {
   const PreciseInterval along = hull(-e, abs(cosine_of_whole) * e + sagitta);
   return {bend.curvature > 0.0 ? along : -along, symmetric(f),
           symmetric((PreciseInterval(1) + k * e) * largest_sine / k)};
+}
+
+void require_union_of_convex(const Model& model, std::string_view what) {
+  require_valid(model);
+  const auto bent = std::ranges::find_if(model.primitives, is_bent);
+  if (bent == model.primitives.end()) return require_union(model, what);
+  throw Error(ErrorKind::input, std::string(what) + ": not supported for bent solids: primitives[" +
+                                    std::to_string(bent - model.primitives.begin()) + "].bend");
 }
 
 }  // namespace verisq::verify

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "verify/numbers/core_trigonometry.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh.hpp"
@@ -192,15 +192,6 @@ std::string name_of_primitive(const Model& model, std::size_t primitive) {
 
 bool is_union_of_convex(const Model& model) {
   return verify::is_union(model) && std::ranges::none_of(model.primitives, is_bent) && !has_mesh(model);
-}
-
-void verify::require_union_of_convex(const Model& model, std::string_view what) {
-  verify::require_valid(model);
-  const auto bent = std::ranges::find_if(model.primitives, is_bent);
-  if (bent != model.primitives.end()) {
-    refuse(what, "bent solids: primitives[" + std::to_string(bent - model.primitives.begin()) + "].bend");
-  }
-  if (!is_union_of_convex(model)) refuse(what, "csg other than the union of all primitives");
 }
 
 void verify::require_union(const Model& model, std::string_view what) {

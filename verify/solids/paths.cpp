@@ -12,7 +12,7 @@
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/solids/model.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"

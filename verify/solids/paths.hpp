@@ -7,8 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/vector.hpp"
-#include "verify/solids/rigid_motion.hpp"
+#include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 

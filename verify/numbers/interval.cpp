@@ -1,9 +1,24 @@
-/// MPFR's functions at one end, and the Lipschitz constant 1 for the way to the other.
-#include "verify/numbers/core_trigonometry.hpp"
+/// MPFR's functions at one end, and the Lipschitz constant 1 for the way to the other; the life of MPFR's own cache.
+#include "verify/numbers/interval.hpp"
 
 #include <algorithm>
 
 namespace verisq::verify {
+
+namespace {
+
+struct MpfrCache {
+  MpfrCache() = default;
+  MpfrCache(const MpfrCache&) = delete;
+  MpfrCache& operator=(const MpfrCache&) = delete;
+  ~MpfrCache() { mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE); }
+};
+
+}  // namespace
+
+void release_mpfr_cache_at_thread_exit() {
+  [[maybe_unused]] static thread_local const MpfrCache cache;
+}
 
 namespace {
 

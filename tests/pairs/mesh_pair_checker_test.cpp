@@ -1,0 +1,228 @@
+/// The checker proves distances of meshes to meshes and to superquadrics by itself, and nothing that is false.
+/// VERISQ_MESH_PAIRS says how many pairs of each kind are tried.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+#include <verisq/distance.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+#include <verisq/path.hpp>
+
+#include "tests/fixtures/random.hpp"
+#include "tests/fixtures/requested_count.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+
+namespace verisq {
+namespace {
+
+using testing::join;
+using testing::Random;
+using testing::sphere_mesh;
+
+std::size_t count() {
+  return oracle::requested_count("VERISQ_MESH_PAIRS", 60);
+}
+
+Mesh scaled(Mesh mesh, double factor) {
+  for (Point& vertex : mesh.vertices)
+    for (double& x : vertex) x *= factor;
+  return mesh;
+}
+
+/// Multiples of 1/64, so that moves and mirrors are exact.
+double coarse(double x) {
+  return std::round(64.0 * x) / 64.0;
+}
+
+/// A tetrahedron in {z <= 0} with `touching` corners at z = 0, the origin among their means.
+Mesh below_origin(Random& random, int touching) {
+  Mesh mesh = testing::tetrahedron();
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (double& x : mesh.vertices[k]) x = coarse(random.uniform(-8.0, 8.0));
+    mesh.vertices[k][2] = static_cast<int>(k) < touching ? 0.0 : -1.0 - std::abs(mesh.vertices[k][2]);
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    Point* const corners = mesh.vertices.data();
+    if (touching == 1) corners[0][i] = 0.0;
+    if (touching == 2) corners[1][i] = -corners[0][i];
+    if (touching == 3) corners[2][i] = -corners[0][i] - corners[1][i];
+  }
+  return mesh;
+}
+
+/// The same above {z = gap}, whose faces are turned.
+Mesh mirrored(Mesh mesh, double gap) {
+  for (Point& vertex : mesh.vertices) vertex[2] = gap - vertex[2];
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+Model model_of(Mesh mesh, const Pose& pose = {}) {
+  return {"", {mesh_primitive("mesh", std::move(mesh), pose)}};
+}
+
+Pose random_pose(Random& random, double reach) {
+  Pose pose;
+  for (double& x : pose.translation) x = random.uniform(-reach, reach);
+  for (double& x : pose.quaternion) x = random.uniform(-1.0, 1.0);
+  return pose;
+}
+
+struct KnownPair {
+  Model a;
+  Model b;
+  double gap;
+};
+
+/// The features that are nearest are corners, sides and faces in turn.
+KnownPair known_pair(Random& random, std::size_t n) {
+  const double gap = std::exp2(std::round(random.uniform(-20.0, 4.0)));
+  const Mesh a = below_origin(random, 1 + static_cast<int>(n % 3));
+  const Mesh b = mirrored(below_origin(random, 1 + static_cast<int>(n / 3 % 3)), gap);
+  return {model_of(a), model_of(b), gap};
+}
+
+TEST(MeshPairCertificate, EnclosesKnownDistancesTightly) {
+  Random random(21);
+  for (std::size_t n = 0; n < count(); ++n) {
+    const auto [a, b, gap] = known_pair(random, n);
+    for (const Enclosure& proven : {PairChecker(a, b).prove({}, {}), PairChecker(b, a).prove({}, {})}) {
+      ASSERT_LE(proven.lo, gap) << n;
+      ASSERT_GE(proven.hi, gap) << n;
+      ASSERT_LE(proven.width(), 0x1p-51 * gap) << n;
+    }
+  }
+}
+
+/// By one unit in the last place, and by much: whatever the certificate says.
+TEST(MeshPairCertificate, ProvesNoFalseClaim) {
+  Random random(22);
+  for (std::size_t n = 0; n < 5 * count(); ++n) {
+    const auto [a, b, gap] = known_pair(random, n);
+    const PairChecker checker(a, b);
+    const double off = gap * std::exp2(std::round(random.uniform(-50.0, 3.0)));
+    const Point anywhere{random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0)};
+    const PairCertificate certificate{
+        .separations = {{0, 0, {0.0, 0.0, 1.0}, {}, {}}}, .near_points = {{anywhere, anywhere}}, .common = anywhere};
+    const Enclosure above{gap + off, gap + 2.0 * off};
+    const Enclosure below{std::max(0.0, gap - 2.0 * off), std::max(0.0, gap - off)};
+    ASSERT_NE(checker({}, above, certificate).verdict, Verdict::proved) << n;
+    ASSERT_NE(checker({}, below, certificate).verdict, Verdict::proved) << n;
+    ASSERT_NE(checker({}, {0.0, 0.0}, certificate).verdict, Verdict::proved) << n;
+    ASSERT_EQ(checker({}, above, {}).verdict, Verdict::refuted) << n;
+  }
+}
+
+std::vector<Model> solids() {
+  const Primitive soap{"soap", {{0.8, 0.5, 1.25}, {0.4, 0.75}}, {.translation = {0.25, 0.0, 0.5}}};
+  Mesh star = sphere_mesh(2);
+  Random random(23);
+  for (Point& vertex : star.vertices) {
+    const double radius = random.uniform(0.5, 1.5);
+    for (double& x : vertex) x *= radius;
+  }
+  const Pose turned{.translation = {0.1, -0.2, 0.3}, .quaternion = {0.8, 0.1, -0.5, 0.3}};
+  return {model_of(sphere_mesh(2)),
+          model_of(star, turned),
+          {"", {soap}},
+          {"", {mesh_primitive("ring", testing::torus_mesh(1.5, 0.25, 16, 8), turned), soap}}};
+}
+
+/// Both directions of a pair, apart and overlapping, agree with the search, which shares no code with the checker.
+TEST(MeshPairCertificate, ProvesWhatTheSearchFinds) {
+  Random random(24);
+  const std::vector<Model> all = solids();
+  std::size_t apart = 0;
+  std::size_t meeting = 0;
+  for (std::size_t n = 0; n < count(); ++n) {
+    const Model& a = all[n % 4];
+    const Model& b = all[n / 4 % 4];
+    if (n % 4 == 2 && n / 4 % 4 == 2) continue;  // two superquadrics: another checker's
+    const Pose pose = random_pose(random, n % 2 == 0 ? 3.0 : 1.0);
+    const ModelSearch search(a, b);
+    const SearchedDistance found = search(pose, {.tolerance = 0.0});
+    const CertifiedDistance certified = search.certified(pose, found, {.tolerance = 0.0});
+    const Finding finding = PairChecker(a, b)(pose, certified.distance, certified.certificate);
+    ASSERT_EQ(finding.verdict, Verdict::proved) << n;
+    ASSERT_LE(finding.proven.lo, found.distance.hi) << n;
+    ASSERT_GE(finding.proven.hi, found.distance.lo) << n;
+    ASSERT_LE(certified.distance.width(), 1e-11) << n;
+    apart += certified.distance.lo > 0.0 ? 1 : 0;
+    meeting += certified.distance.hi == 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(apart, count() / 6);
+  EXPECT_GT(meeting, count() / 6) << "a common point proves it";
+}
+
+TEST(MeshPairCertificate, ProvesThatOneHoldsTheOtherAndThatHollowsAreFree) {
+  const Model large = model_of(sphere_mesh(2));
+  const Model ball{"", {{"ball", {{0.25, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
+  for (const Model& small : {model_of(scaled(sphere_mesh(1), 0.25)), ball}) {
+    EXPECT_EQ(PairChecker(large, small).prove({}, {}), (Enclosure{0.0, 0.0}));
+    EXPECT_EQ(PairChecker(small, large).prove({}, {}), (Enclosure{0.0, 0.0}));
+  }
+  Mesh inner = sphere_mesh(2);
+  for (auto& triangle : inner.triangles) std::swap(triangle[1], triangle[2]);
+  const Model shell = model_of(join(scaled(sphere_mesh(2), 2.0), inner));
+  for (const Model& small : {model_of(scaled(sphere_mesh(1), 0.25)), ball}) {
+    const Enclosure proven = PairChecker(shell, small).prove({}, {});
+    EXPECT_GT(proven.lo, 0.6);
+    EXPECT_LT(proven.hi, 0.76);
+  }
+}
+
+TEST(MeshPairCertificate, SaysNothingOfPlacesAtTheEndOfAllNumbers) {
+  const Model mesh = model_of(sphere_mesh(1));
+  const Model ball{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
+  for (const Point& place : {Point{1e308, -1e308, 0.0}, Point{-1.7e308, 1.7e308, 1.7e308}}) {
+    const Pose pose{.translation = place, .quaternion = {1.0, 2.0, 3.0, 4.0}};
+    for (const Model& other : {mesh, ball}) {
+      for (const Enclosure& proven :
+           {PairChecker(mesh, other).prove(pose, {}), PairChecker(other, mesh).prove(pose, {})}) {
+        EXPECT_LE(proven.lo, proven.hi);
+        EXPECT_GE(proven.hi, 1e308);
+      }
+    }
+  }
+}
+
+TEST(MeshPairCertificate, RefusesWhatItCannotProve) {
+  const Model mesh = model_of(sphere_mesh(0));
+  Primitive bent{"bent", {{0.5, 0.5, 2.0}, {1.0, 1.0}}, {}};
+  bent.bend = Bend{0.2, 30.0};
+  EXPECT_THROW(PairChecker(mesh, {"", {bent}}), Error);
+  const SetExpression both{{{.primitive = 0}, {.primitive = 1}}, SetOperation::intersect};
+  EXPECT_THROW(PairChecker(mesh, {"", {mesh.primitives[0], mesh.primitives[0]}, both}), Error);
+}
+
+/// Between two poses the lower end is that of the whole way.
+TEST(MeshPathCertificate, ProvesTheWholeWayAndNoFalseClaim) {
+  const Model a = model_of(scaled(sphere_mesh(1), 0.5));
+  const Model box{"", {{"box", {{0.5, 0.5, 0.5}, {0.1, 0.1}}, {}}}};
+  const std::vector<Pose> beside{{.translation = {3.0, 2.0, 0.25}},
+                                 {.translation = {-3.0, 2.0, 0.25}, .quaternion = {0.8, 0.0, 0.0, 0.6}}};
+  for (const Model& b : {a, box}) {
+    const PathDistanceOptions options{.tolerance = 0.1};
+    const PathDistance found = distance_along(beside, a, b, options);
+    const CertifiedPath certified = certified_path(beside, a, b, found, options);
+    const PathChecker checker(a, b, beside);
+    const PathClaims proven = checker.prove(certified.certificate, {});
+    EXPECT_GT(proven.smallest.lo, found.smallest.lo - 0.1);
+    EXPECT_LE(proven.smallest.lo, found.smallest.hi);
+    EXPECT_GE(proven.smallest.hi, found.smallest.lo);
+    ASSERT_GT(certified.certificate.parts.size(), 1U);
+    PathCertificate cut = certified.certificate;
+    cut.parts.resize(1);
+    EXPECT_EQ(checker.prove(cut, {}).smallest.lo, 0.0) << "a part of the way is not proven";
+    PathCertificate whole = certified.certificate;
+    whole.parts = {{1.0, {}}};
+    EXPECT_LE(checker.prove(whole, {}).smallest.lo, found.smallest.hi) << "by the longest way of any point";
+  }
+}
+
+}  // namespace
+}  // namespace verisq

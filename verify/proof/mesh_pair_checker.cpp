@@ -1,0 +1,433 @@
+/// This file implements mesh_pair_checker.hpp.
+#include "verify/proof/mesh_pair_checker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "verify/numbers/points.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verify/proposals/gjk.hpp"
+#include "verify/solids/model.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using PreciseTriangle = std::array<PreciseVector, 3>;
+
+// Ways between points of two triangles. A way that ends in both is no shorter than the distance. Which way is short is
+// a proposal: it only decides how tight the bounds are.
+
+/// The share of a way along which it is followed: any number of [0, 1] proves as much.
+PreciseInterval share(const PreciseInterval& way, const PreciseInterval& whole) {
+  if (!(whole.lower() > Real(0))) return {0};
+  return {std::clamp((way / whole).lower(), Real(0), Real(1))};
+}
+
+/// From a point of the side between both corners.
+PreciseVector way_from_side(const PreciseVector& from, const PreciseVector& to, const PreciseVector& x) {
+  const PreciseVector side = to - from;
+  const PreciseVector way = x - from;
+  return way - side * share(way.dot(side), side.dot(side));
+}
+
+/// From a point of the triangle, about the nearest. Its shares of two sides are numbers with b, c >= 0 and b + c <= 1.
+PreciseVector way_from_triangle(const PreciseTriangle& t, const PreciseVector& x) {
+  const PreciseVector ab = t[1] - t[0];
+  const PreciseVector ac = t[2] - t[0];
+  const PreciseVector way = x - t[0];
+  const PreciseVector normal = cross(ab, ac);
+  const PreciseInterval square_of_normal = normal.dot(normal);
+  if (square_of_normal.lower() > Real(0)) {
+    const Real b = (normal.dot(cross(way, ac)) / square_of_normal).lower();
+    const Real c = (normal.dot(cross(ab, way)) / square_of_normal).lower();
+    if (b >= Real(0) && c >= Real(0) && add(b, c, Direction::up) <= Real(1))
+      return way - (ab * PreciseInterval(b) + ac * PreciseInterval(c));
+  }
+  const std::array sides{way_from_side(t[0], t[1], x), way_from_side(t[1], t[2], x), way_from_side(t[2], t[0], x)};
+  return *std::ranges::min_element(sides, {}, [](const PreciseVector& v) { return length<Real>(v).upper(); });
+}
+
+/// From a point of one side to a point of the other, about the nearest (Ericson, Real-Time Collision Detection, 5.1.9).
+PreciseVector way_between_sides(const PreciseVector& from_a, const PreciseVector& to_a, const PreciseVector& from_b,
+                                const PreciseVector& to_b) {
+  const PreciseVector along_a = to_a - from_a;
+  const PreciseVector along_b = to_b - from_b;
+  const PreciseVector apart = from_a - from_b;
+  const PreciseInterval a = along_a.dot(along_a);
+  const PreciseInterval b = along_a.dot(along_b);
+  const PreciseInterval c = along_a.dot(apart);
+  const PreciseInterval e = along_b.dot(along_b);
+  const PreciseInterval f = along_b.dot(apart);
+  PreciseInterval s = share(b * f - c * e, a * e - b * b);
+  const PreciseInterval t = share(b * s + f, e);
+  s = share(b * t - c, a);
+  return (from_b + along_b * t) - (from_a + along_a * s);
+}
+
+/// The distance of two closed sets: between both ends, which are at least 0.
+struct Bounds {
+  Real lower;
+  Real upper;
+};
+
+/// For any n: A lies in {n·x <= most}, B in {n·x >= least}, so that they are at least (least - most)/|n| apart. Both
+/// are seen from a corner of A, so that nothing is lost where the triangles are far from the origin.
+Real lower_by_normal(const PreciseTriangle& a, const PreciseTriangle& b, const PreciseVector& n) {
+  const PreciseInterval norm = length<Real>(n);
+  if (!(norm.lower() > Real(0))) return {0};
+  const auto along = [&](const PreciseVector& x) { return n.dot(PreciseVector(x - a[0])); };
+  const Real most = std::max({along(a[0]).upper(), along(a[1]).upper(), along(a[2]).upper()});
+  const Real least = std::min({along(b[0]).lower(), along(b[1]).lower(), along(b[2]).lower()});
+  const PreciseInterval gap = PreciseInterval(least) - PreciseInterval(most);
+  return gap.lower() > Real(0) ? (gap / norm).lower() : Real(0);
+}
+
+/// 1 where the point is proven to lie before the triangle, -1 behind it, else 0.
+int side_of(const PreciseTriangle& t, const PreciseVector& x) {
+  const PreciseInterval height = cross(PreciseVector(t[1] - t[0]), PreciseVector(t[2] - t[0])).dot(x - t[0]);
+  if (height.lower() > Real(0)) return 1;
+  return height.upper() < Real(0) ? -1 : 0;
+}
+
+/// True proves that the side passes through the triangle: its ends lie on both sides of the plane, and its line leaves
+/// the three sides on one hand.
+bool passes_through(const PreciseVector& from, const PreciseVector& to, const PreciseTriangle& t) {
+  if (side_of(t, from) * side_of(t, to) >= 0) return false;
+  const auto hand = [&](std::size_t k) { return side_of({from, to, t[k]}, t[(k + 1) % 3]); };
+  return hand(0) != 0 && hand(0) == hand(1) && hand(1) == hand(2);
+}
+
+bool cross_each_other(const PreciseTriangle& a, const PreciseTriangle& b) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (passes_through(a[k], a[(k + 1) % 3], b) || passes_through(b[k], b[(k + 1) % 3], a)) return true;
+  }
+  return false;
+}
+
+/// Triangles that do not meet are nearest where a corner of one is nearest to the other triangle, or where two sides
+/// are: then the way between them is the normal that proves the lower end.
+Bounds distance_of(const PreciseTriangle& a, const PreciseTriangle& b) {
+  PreciseVector nearest;
+  Real upper = infinity;
+  const auto offer = [&](const PreciseVector& way) {
+    const Real length_of_way = length<Real>(way).upper();
+    if (!(length_of_way < upper)) return;
+    upper = length_of_way;
+    nearest = way;
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    offer(way_from_triangle(a, b[k]));
+    offer(-way_from_triangle(b, a[k]));
+    for (std::size_t j = 0; j < 3; ++j) offer(way_between_sides(a[k], a[(k + 1) % 3], b[j], b[(j + 1) % 3]));
+  }
+  const Real lower = lower_by_normal(a, b, nearest);
+  return lower > Real(0) || !cross_each_other(a, b) ? Bounds{lower, upper} : Bounds{0, 0};
+}
+
+// Places in binary64, for the searches in trees.
+
+/// A ball about a binary64 point. Infinite where that overflows.
+struct Ball {
+  Point centre;
+  double radius;
+};
+
+/// The ball of that radius about any point of the enclosure. Precondition: radius >= 0.
+Ball rounded_ball(const PreciseVector& centre, double radius) {
+  Ball ball{};
+  for (std::size_t i = 0; i < 3; ++i) ball.centre[i] = centre[i].lower().to_double(Direction::down);
+  if (!is_finite(ball.centre)) return {{}, infinity};
+  const Real off = length<Real>(PreciseVector(centre - precise(ball.centre))).upper();
+  ball.radius = add(radius, off.to_double(Direction::up), Direction::up);
+  return ball;
+}
+
+PreciseTriangle exactly(const Triangle& triangle) {
+  return {precise(triangle[0]), precise(triangle[1]), precise(triangle[2])};
+}
+
+PreciseTriangle moved(const Triangle& triangle, const RigidMotion& motion) {
+  return {motion(precise(triangle[0])), motion(precise(triangle[1])), motion(precise(triangle[2]))};
+}
+
+/// A ball about a binary64 point that holds the triangle.
+Ball ball_about(const Triangle& triangle) {
+  Ball ball{{}, 0.0};
+  for (std::size_t i = 0; i < 3; ++i) ball.centre[i] = triangle[0][i] / 3 + triangle[1][i] / 3 + triangle[2][i] / 3;
+  for (const Point& corner : triangle) ball.radius = std::max(ball.radius, distance_up(corner, ball.centre));
+  return ball;
+}
+
+// Pairs of primitives.
+
+constexpr Enclosure unknown{0.0, infinity};
+constexpr Enclosure they_meet{0.0, 0.0};
+
+Enclosure least_of(const Enclosure& a, const Enclosure& b) {
+  return {std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
+}
+
+Enclosure in_binary64(const Bounds& bounds) {
+  return {std::max(0.0, bounds.lower.to_double(Direction::down)), bounds.upper.to_double(Direction::up)};
+}
+
+/// A triangle that may be near, by its lower end.
+struct Candidate {
+  double lower;
+  std::uint32_t triangle;
+};
+
+/// Asks `distance` for the candidates, the nearest first. All others are farther than what is found.
+template <class Distance>
+Enclosure least_distance(std::vector<Candidate>& candidates, double upper, const Hook& interrupted,
+                         const Distance& distance) {
+  std::ranges::sort(candidates, {}, &Candidate::lower);
+  Enclosure found{infinity, upper};
+  for (const auto& [lower, triangle] : candidates) {
+    if (!(lower < found.hi)) break;
+    if (interrupted && interrupted()) return {0.0, found.hi};
+    found = least_of(found, distance(triangle, found.hi));
+    if (found.hi == 0.0) return they_meet;
+  }
+  return {std::min(found.lo, found.hi), found.hi};
+}
+
+/// A mesh and a mesh in whose frame it stands by a motion.
+class Meshes {
+ public:
+  Meshes(const MeshSolid& a, const MeshSolid& b, const RigidMotion& b_to_a) : a_(a), b_(b), b_to_a_(b_to_a) {}
+
+  /// Two solids whose surfaces keep off each other meet only if one holds a connected part of the other's surface:
+  /// their common part would have a boundary, which lies in one surface and in the other solid.
+  [[nodiscard]] Enclosure distance(const Hook& interrupted) const {
+    const RigidMotion a_to_b = b_to_a_.inverse();
+    bool is_apart = true;
+    const auto look = [&](const MeshSolid& from, const MeshSolid& to, const RigidMotion& motion) {
+      return std::ranges::any_of(from.on_surfaces(), [&](const Point& x) {
+        const Enclosure place = to.signed_distance_of(motion(precise(x)));
+        is_apart = is_apart && place.lo > 0.0;
+        return place.hi <= 0.0;
+      });
+    };
+    if (look(a_, b_, a_to_b) || look(b_, a_, b_to_a_)) return they_meet;
+    const Enclosure of_surfaces = distance_of_surfaces(interrupted);
+    return is_apart ? of_surfaces : Enclosure{0.0, of_surfaces.hi};
+  }
+
+ private:
+  [[nodiscard]] Enclosure distance_of_surfaces(const Hook& interrupted) const {
+    const TriangleTree& tree = a_.tree();
+    std::vector<Candidate> candidates;
+    std::vector<Ball> balls;
+    double upper = infinity;
+    for (std::uint32_t n = 0; n < b_.tree().size(); ++n) {
+      if (interrupted && interrupted()) return {0.0, upper};
+      const Ball own = ball_about(b_.tree().triangle(n));
+      balls.push_back(rounded_ball(b_to_a_(precise(own.centre)), own.radius));
+      if (!(balls.back().radius < infinity)) return unknown;
+      const Enclosure to_centre = tree.nearest(balls.back().centre).distance;
+      candidates.push_back({subtract(to_centre.lo, balls.back().radius, Direction::down), n});
+      upper = std::min(upper, add(to_centre.hi, balls.back().radius, Direction::up));
+    }
+    return least_distance(candidates, upper, interrupted, [&](std::uint32_t n, double asked) {
+      const PreciseTriangle triangle = moved(b_.tree().triangle(n), b_to_a_);
+      Enclosure found{infinity, infinity};
+      for (const std::uint32_t k : tree.within(balls[n].centre, add(asked, balls[n].radius, Direction::up)))
+        found = least_of(found, in_binary64(distance_of(exactly(tree.triangle(k)), triangle)));
+      return found;
+    });
+  }
+
+  const MeshSolid& a_;
+  const MeshSolid& b_;
+  RigidMotion b_to_a_;
+};
+
+using LongPoint = Coordinates<long double>;
+
+PreciseVector exactly(const LongPoint& x) {
+  return {Real(x[0]), Real(x[1]), Real(x[2])};
+}
+
+LongPoint in_long_double(const PreciseVector& x) {
+  return {x[0].lower().to_long_double(), x[1].lower().to_long_double(), x[2].lower().to_long_double()};
+}
+
+bool has_ends(const LongPoint& x) {
+  return std::ranges::all_of(x, [](long double c) { return std::isfinite(c); });
+}
+
+/// A mesh and an unbent superquadric, in whose own frame the mesh stands by a motion.
+class MeshAndSuperquadric {
+ public:
+  MeshAndSuperquadric(const MeshSolid& mesh, const PosedSuperquadric& solid, const RigidMotion& to_solid)
+      : mesh_(mesh), solid_(solid), set_(solid.superquadric()), to_solid_(to_solid) {}
+
+  /// A convex solid that keeps off the surface lies on one side of it, as the origin of its own frame does.
+  [[nodiscard]] Enclosure distance(const Hook& interrupted) const {
+    const Enclosure of_origin = mesh_.signed_distance_of(to_solid_.inverse()(PreciseVector()));
+    if (of_origin.hi <= 0.0) return they_meet;
+    std::vector<Candidate> candidates;
+    for (std::uint32_t n = 0; n < mesh_.tree().size(); ++n) {
+      const Ball ball = ball_about(mesh_.tree().triangle(n));
+      const PreciseInterval apart = length<Real>(to_solid_(precise(ball.centre))) - solid_.radius();
+      const Real lower = (apart - PreciseInterval(Real(ball.radius))).lower();
+      candidates.push_back({lower.to_double(Direction::down), n});
+    }
+    const Enclosure found = least_distance(candidates, infinity, interrupted, [&](std::uint32_t n, double /*asked*/) {
+      return distance_of_triangle(moved(mesh_.tree().triangle(n), to_solid_));
+    });
+    return of_origin.lo > 0.0 ? found : Enclosure{0.0, found.hi};
+  }
+
+ private:
+  /// A direction and a point of the superquadric, as proposed, prove the ends.
+  [[nodiscard]] Enclosure distance_of_triangle(const PreciseTriangle& triangle) const {
+    const auto holds = [&](const PreciseVector& x) { return solid_.bounds().gauge_up(x) <= Real(1); };
+    if (std::ranges::any_of(triangle, holds)) return they_meet;
+    const TriangleSet<long double> corners{
+        {in_long_double(triangle[0]), in_long_double(triangle[1]), in_long_double(triangle[2])}};
+    if (!std::ranges::all_of(corners.corners, has_ends)) return unknown;
+    const GjkResult<long double> proposed = gjk<long double>(set_, corners, LongPoint{});
+    if (!has_ends(proposed.separation) || !has_ends(proposed.on_a)) return unknown;
+    const PreciseVector on_solid = moved_into(solid_.bounds(), exactly(proposed.on_a));
+    return in_binary64({lower_by_direction(triangle, exactly(proposed.separation)),
+                        length<Real>(way_from_triangle(triangle, on_solid)).upper()});
+  }
+
+  /// The superquadric lies in {v·x <= h(v)}.
+  [[nodiscard]] Real lower_by_direction(const PreciseTriangle& triangle, const PreciseVector& v) const {
+    const PreciseInterval norm = length<Real>(v);
+    if (!(norm.lower() > Real(0))) return {0};
+    const Real least = std::min({v.dot(triangle[0]).lower(), v.dot(triangle[1]).lower(), v.dot(triangle[2]).lower()});
+    const PreciseInterval gap = PreciseInterval(least) - PreciseInterval(solid_.bounds().support_up(v));
+    return gap.lower() > Real(0) ? (gap / norm).lower() : Real(0);
+  }
+
+  const MeshSolid& mesh_;
+  const PosedSuperquadric& solid_;
+  SuperquadricSet<long double> set_;
+  RigidMotion to_solid_;
+};
+
+/// A superquadric in the own frame of another one, for proposals.
+struct SeenSet {
+  SuperquadricSet<long double> set;
+  std::array<LongPoint, 3> rows;
+  LongPoint translation;
+
+  SeenSet(const Superquadric& superquadric, const RigidMotion& motion)
+      : set(superquadric),
+        rows{in_long_double(motion.rotation.row(0)), in_long_double(motion.rotation.row(1)),
+             in_long_double(motion.rotation.row(2))},
+        translation(in_long_double(motion.translation)) {}
+
+  [[nodiscard]] LongPoint operator()(const LongPoint& v) const {
+    LongPoint own{};
+    for (std::size_t i = 0; i < 3; ++i) own[i] = v[0] * rows[0][i] + v[1] * rows[1][i] + v[2] * rows[2][i];
+    const LongPoint x = set(own);
+    return {dot(rows[0], x) + translation[0], dot(rows[1], x) + translation[1], dot(rows[2], x) + translation[2]};
+  }
+};
+
+Enclosure distance_of(const PairBounds& pair) {
+  const SuperquadricSet<long double> a(pair.a().superquadric());
+  const SeenSet b(pair.b().superquadric(), pair.relative());
+  const GjkResult<long double> proposed = gjk<long double>(a, b, LongPoint{});
+  if (!has_ends(proposed.separation) || !has_ends(proposed.on_a) || !has_ends(proposed.on_b)) return unknown;
+  const PreciseVector on_b = pair.relative().inverse()(exactly(proposed.on_b));
+  const bool parts = proposed.end != GjkEnd::common;
+  return in_binary64({parts ? pair.lower_by_vector(exactly(proposed.separation)) : Real(0),
+                      pair.upper_by_points(exactly(proposed.on_a), on_b)});
+}
+
+/// Returns whether the point is proven to lie in the model. `x` is enclosed in the model's frame.
+bool holds(const MeshModel& model, const PreciseVector& x) {
+  const auto in_mesh = [&](const MeshSolid& mesh) {
+    return mesh.signed_distance_of(mesh.motion().inverse()(x)).hi <= 0.0;
+  };
+  if (std::ranges::any_of(model.meshes, in_mesh)) return true;
+  for (std::size_t i = 0; i < model.others.primitives.size(); ++i) {
+    const PreciseVector own = model.others.inverse_motions[i](x);
+    if (model.others.primitives[i].bounds().gauge_up(own) <= Real(1)) return true;
+  }
+  return false;
+}
+
+/// A sphere about the mesh, in the frame to which the motion leads.
+EnclosingSphere sphere_about(const MeshSolid& mesh, const RigidMotion& motion) {
+  const PreciseVector lower = precise(mesh.tree().lower());
+  const PreciseVector upper = precise(mesh.tree().upper());
+  const PreciseInterval half(Real(0.5));
+  return {motion((lower + upper) * half), length<Real>(PreciseVector(upper - lower)) * half};
+}
+
+/// Checks the whole model, too.
+Model superquadrics_of(const Model& model) {
+  require_valid_with_meshes(model);
+  require_union(model, "distances to meshes");
+  Model others{model.units, {}};
+  for (const Primitive& primitive : model.primitives)
+    if (!primitive.mesh) others.primitives.push_back(primitive);
+  if (!others.primitives.empty()) require_union_of_convex(others, "distances to meshes");
+  return others;
+}
+
+}  // namespace
+
+MeshModel::MeshModel(const Model& model) : others(superquadrics_of(model)) {
+  for (const Primitive& primitive : model.primitives)
+    if (primitive.mesh) meshes.emplace_back(primitive);
+}
+
+Enclosure MeshPairChecker::distance(const ShortMotion& motion, const std::optional<Point>& common,
+                                    const Hook& interrupted) const {
+  const RigidMotion& pose = motion.pose();
+  if (common && is_finite(*common) && holds(a_, precise(*common)) && holds(b_, pose.local_point(*common)))
+    return they_meet;
+  Enclosure found{infinity, infinity};
+  for (const MeshSolid& b : b_.meshes) {
+    const RigidMotion b_to_a = pose.after(b.motion());
+    found = least_of(found, moving(from_a(b, b_to_a, interrupted), motion.way_of(sphere_about(b, b_to_a))));
+  }
+  for (std::size_t j = 0; j < b_.others.primitives.size(); ++j) {
+    const PosedSuperquadric& b = b_.others.primitives[j];
+    const RigidMotion b_to_a = pose.after(b_.others.motions[j]);
+    found = least_of(found, moving(from_a(b, b_to_a, interrupted), motion.way_of({b_to_a.translation, b.radius()})));
+  }
+  return found;
+}
+
+/// No point of a part of B comes nearer than the longest way in the part.
+Enclosure MeshPairChecker::moving(const Enclosure& at_moment, const PreciseInterval& way) {
+  const double longest = way.upper().to_double(Direction::up);
+  return {std::max(0.0, subtract(at_moment.lo, longest, Direction::down)), at_moment.hi};
+}
+
+Enclosure MeshPairChecker::from_a(const MeshSolid& b, const RigidMotion& b_to_a, const Hook& interrupted) const {
+  Enclosure found{infinity, infinity};
+  for (const MeshSolid& a : a_.meshes)
+    found = least_of(found, Meshes(a, b, a.motion().inverse().after(b_to_a)).distance(interrupted));
+  for (std::size_t i = 0; i < a_.others.primitives.size(); ++i) {
+    const RigidMotion to_solid = a_.others.inverse_motions[i].after(b_to_a);
+    found = least_of(found, MeshAndSuperquadric(b, a_.others.primitives[i], to_solid).distance(interrupted));
+  }
+  return found;
+}
+
+Enclosure MeshPairChecker::from_a(const PosedSuperquadric& b, const RigidMotion& b_to_a,
+                                  const Hook& interrupted) const {
+  Enclosure found{infinity, infinity};
+  for (const MeshSolid& a : a_.meshes) {
+    const RigidMotion to_solid = b_to_a.inverse().after(a.motion());
+    found = least_of(found, MeshAndSuperquadric(a, b, to_solid).distance(interrupted));
+  }
+  for (std::size_t i = 0; i < a_.others.primitives.size(); ++i)
+    found = least_of(found, distance_of({a_.others.primitives[i], b, a_.others.inverse_motions[i].after(b_to_a)}));
+  return found;
+}
+
+}  // namespace verisq::verify
