@@ -18,10 +18,14 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
+#include <verisq/files.hpp>
+#include <verisq/mesh.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -1670,6 +1674,101 @@ INSTANTIATE_TEST_SUITE_P(
                 binary_ply_header + bytes(0) + bytes(0) + bytes(nan) + std::string(24, '\0'),
                 {"byte", "nan"}}),
     name_of);
+
+// ---------------------------------------------------------------- meshes as models
+
+const std::vector<std::string> mesh_formats{".stl", ".off", ".obj", ".ply"};
+
+Mesh scaled(Mesh mesh, double scale) {
+  for (Point& vertex : mesh.vertices)
+    for (double& x : vertex) x *= scale;
+  return mesh;
+}
+
+Mesh turned(Mesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+  return mesh;
+}
+
+TEST_F(CommandLine, MeshesThatAreNoSolidsAreRefusedInOneLine) {
+  const std::string points = write("points.csv", "0,0,3\n");
+  Mesh one = verisq::testing::tetrahedron();
+  one.triangles.resize(1);
+  Mesh open = verisq::testing::tetrahedron();
+  open.triangles.pop_back();
+  Mesh one_turned = verisq::testing::tetrahedron();
+  std::swap(one_turned.triangles[0][0], one_turned.triangles[0][1]);
+  for (const std::string& format : mesh_formats) {
+    const auto refused = [&](const std::string& name, const Mesh& mesh, const std::vector<std::string>& words) {
+      write_mesh(path(name + format), mesh);
+      const Outcome outcome = map({"--model", path(name + format), "--points", points, "-o", path("map.csv")});
+      expect_refused(outcome, words);
+      EXPECT_THAT(outcome.err, HasSubstr(name)) << format;
+      EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+    };
+    refused("one", one, {"one" + format, "not closed", "3 of its edges"});
+    refused("open", open, {"open" + format, "not closed", "3 of its edges"});
+    refused("one_turned", one_turned, {"one_turned" + format, "not closed", "6 of its edges"});
+    if (format == ".stl") continue;  // has binary32 numbers alone
+    refused("huge", scaled(verisq::testing::tetrahedron(), 1e308), {"largest coordinate is 1e+308"});
+    refused("tiny", scaled(verisq::testing::tetrahedron(), 1e-300), {"largest coordinate is 1e-300"});
+  }
+}
+
+/// What BadFileTest has of meshes, as models.
+class BadSolidTest : public CommandLine, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadSolidTest, IsRefused) {
+  const auto& bad = GetParam();
+  const std::string points = write("points.csv", "0,0,3\n");
+  const Outcome outcome = map({"--model", write(bad.file, bad.text), "--points", points, "-o", path("map.csv")});
+  expect_refused(outcome, bad.words);
+  EXPECT_THAT(outcome.err, HasSubstr(bad.file));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mesh, BadSolidTest,
+    ::testing::Values(BadFile{"EmptyStl", "mesh.stl", "", {"empty"}},
+                      BadFile{"StlNan", "mesh.stl", ascii_stl("0 nan 3"), {"nan"}},
+                      BadFile{"StlInfinity", "mesh.stl", ascii_stl("0 inf 3"), {"inf"}},
+                      BadFile{"StlOverflow", "mesh.stl", ascii_stl("0 1e400 3"), {"1e400"}},
+                      BadFile{"StlWithoutTriangles", "mesh.stl", binary_stl(0, {}), {"no triangles"}},
+                      BadFile{"StlOfZeroArea", "mesh.stl", ascii_stl("2 0 3"), {"zero area"}},
+                      BadFile{"EmptyObj", "mesh.obj", "", {"empty"}},
+                      BadFile{"ObjNan", "mesh.obj", "v 0 0 3\nv 1 NaN 3\nv 0 1 3\nf 1 2 3\n", {"NaN"}},
+                      BadFile{"ObjIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 4\n", {"4"}},
+                      BadFile{"ObjOfZeroArea", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\nf 1 2 3\n", {"zero area"}},
+                      BadFile{"ObjWithoutTriangles", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\n", {"no triangles"}},
+                      BadFile{"EmptyPly", "mesh.ply", "", {"empty"}},
+                      BadFile{"PlyInfinity", "mesh.ply", ascii_ply("-inf 1 3", "3 0 1 2"), {"-inf"}},
+                      BadFile{"PlyIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 7"), {"7"}},
+                      BadFile{"PlyNegativeIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 -1"), {"-1"}},
+                      BadFile{"PlyOfZeroArea", "mesh.ply", ascii_ply("2 0 3", "3 0 1 2"), {"zero area"}}),
+    name_of);
+
+/// Sheets that enclose nothing, twice the same, turned inward: all are solids, and points know their sides.
+TEST_F(CommandLine, MeshesThatCoincideOrEncloseNothingAreSolids) {
+  const std::string points = write("points.csv", "0.125,0.125,0.125\n0.25,0.25,2\n0.25,0.25,0\n");
+  const Mesh solid = verisq::testing::tetrahedron();
+  const Mesh sheet{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {1, 0, 2}}};
+  for (const std::string& format : mesh_formats) {
+    const auto expect_depth = [&](const std::string& name, const Mesh& mesh, double distance) {
+      write_mesh(path(name + format), mesh);
+      const Outcome outcome = map({"--model", path(name + format), "--points", points, "-o", path("map.csv")});
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      const std::vector<Row> rows = rows_of(path("map.csv"));
+      ASSERT_EQ(rows.size(), 3U);
+      EXPECT_NEAR(rows[0].distance.lo, distance, 1e-12) << name << format;
+      EXPECT_NEAR(rows[0].distance.hi, distance, 1e-12) << name << format;
+      EXPECT_GT(rows[1].distance.lo, 1.0);
+      EXPECT_EQ(rows[2].distance, (Enclosure{0.0, 0.0}));
+    };
+    expect_depth("inward", turned(solid), -0.125);
+    expect_depth("twice", verisq::testing::join(solid, solid), -0.125);
+    expect_depth("opposed", verisq::testing::join(solid, turned(solid)), 0.125);
+    expect_depth("sheet", sheet, 0.125);
+  }
+}
 
 INSTANTIATE_TEST_SUITE_P(
     Points, BadFileTest,

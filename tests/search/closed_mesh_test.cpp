@@ -10,12 +10,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -26,268 +26,27 @@
 namespace verisq::verify {
 namespace {
 
+using testing::cube_mesh;
+using testing::folded_and_crossing_in_corner;
 using testing::join;
+using testing::MeshScene;
+using testing::moved;
+using testing::PlacesAboutMesh;
 using testing::Random;
 using testing::sphere_mesh;
+using testing::star_mesh;
 using testing::tetrahedron;
-using testing::torus_mesh;
+using testing::tetrahedron_with_degenerate;
+using testing::turned;
 using Side = ClosedMesh::Side;
 using Means = ClosedMesh::Means;
-
-Mesh moved(Mesh mesh, double scale, const Point& by) {
-  for (Point& vertex : mesh.vertices) {
-    for (std::size_t i = 0; i < 3; ++i) vertex[i] = scale * vertex[i] + by[i];
-  }
-  return mesh;
-}
-
-Mesh stretched(Mesh mesh, const Point& scale) {
-  for (Point& vertex : mesh.vertices) {
-    for (std::size_t i = 0; i < 3; ++i) vertex[i] *= scale[i];
-  }
-  return mesh;
-}
-
-Mesh turned(Mesh mesh) {
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  return mesh;
-}
-
-/// Sharp corners, in and out.
-Mesh star_mesh(int rounds, unsigned seed) {
-  Mesh mesh = sphere_mesh(rounds);
-  Random random(seed);
-  for (Point& vertex : mesh.vertices) {
-    const double radius = random.uniform(0.3, 1.7);
-    for (double& x : vertex) x *= radius;
-  }
-  return mesh;
-}
-
-/// The cube from 0 to 1, each face of n × n squares: many triangles in one plane.
-Mesh cube_mesh(std::uint32_t n) {
-  Mesh mesh;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const bool high : {false, true}) {
-      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-      for (std::uint32_t i = 0; i <= n; ++i) {
-        for (std::uint32_t j = 0; j <= n; ++j) {
-          Point vertex;
-          vertex[axis] = high ? 1.0 : 0.0;
-          vertex[(axis + 1) % 3] = static_cast<double>(i) / n;
-          vertex[(axis + 2) % 3] = static_cast<double>(j) / n;
-          mesh.vertices.push_back(vertex);
-        }
-      }
-      for (std::uint32_t i = 0; i < n; ++i) {
-        for (std::uint32_t j = 0; j < n; ++j) {
-          const std::uint32_t a = first + i * (n + 1) + j;
-          const std::uint32_t b = a + n + 1;
-          if (high) {
-            mesh.triangles.insert(mesh.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}});
-          } else {
-            mesh.triangles.insert(mesh.triangles.end(), {{a, b + 1, b}, {a, a + 1, b + 1}});
-          }
-        }
-      }
-    }
-  }
-  return mesh;
-}
-
-/// Pairs of opposed triangles: one leaves the cube, one lies within, one in a face.
-Mesh cube_with_fins() {
-  Mesh mesh = cube_mesh(2);
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), {{1, 0.5, 0.5},
-                                             {2, 0.5, 0.4},
-                                             {1.7, 0.9, 0.6},
-                                             {0.2, 0.2, 0.2},
-                                             {0.8, 0.3, 0.4},
-                                             {0.4, 0.7, 0.6},
-                                             {0, 0.25, 0.25},
-                                             {0, 0.75, 0.25},
-                                             {0, 0.25, 0.75}});
-  for (const std::uint32_t k : {0U, 3U, 6U}) {
-    mesh.triangles.push_back({first + k, first + k + 1, first + k + 2});
-    mesh.triangles.push_back({first + k + 1, first + k, first + k + 2});
-  }
-  return mesh;
-}
-
-/// A sliver of no area fills what its neighbours leave: a side has a vertex on it.
-Mesh tetrahedron_with_degenerate() {
-  Mesh mesh = tetrahedron();
-  mesh.vertices.push_back({0.5, 0, 0});
-  mesh.triangles = {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 4, 1}, {0, 3, 2}, {1, 2, 3}};
-  return mesh;
-}
-
-/// A tetrahedron in one plane, which encloses nothing, beside one that crosses another with which it shares a corner.
-Mesh folded_and_crossing_in_corner() {
-  Mesh flat = tetrahedron();
-  flat.vertices = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {0.3, 0.4, -1}};
-  Mesh convex = flat;
-  convex.vertices[3] = {1, 1.25, -1};
-  Mesh leaning = tetrahedron();
-  leaning.vertices = {{0, 0, 0}, {1, -0.5, 0.25}, {0.25, 1, 0.25}, {0.25, 0.375, 1}};
-  return join(join(flat, moved(convex, 1.0, {2, 0, 0})), join(tetrahedron(), moved(leaning, 3.0, {})));
-}
-
-/// One within the other, turned alike, with a side in common: of its four triangles two have the solid on both sides.
-Mesh nested_in_side() {
-  Mesh inner = tetrahedron();
-  inner.vertices = {{0, 0, 0}, {1, 0, 0}, {0.25, 0.3125, 0.125}, {0.25, 0.125, 0.3125}};
-  return join(tetrahedron(), inner);
-}
-
-/// Around a circle, but the cross section is an eight.
-Mesh crossed_torus() {
-  Mesh mesh = torus_mesh(2.0, 1.0, 24, 16);
-  for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
-    const double v = 2.0 * std::numbers::pi * static_cast<double>(n % 16) / 16.0 + 0.1;
-    const double u = 2.0 * std::numbers::pi * static_cast<double>(n / 16) / 24.0;
-    const double across = 2.0 + std::cos(v);
-    mesh.vertices[n] = {across * std::cos(u), across * std::sin(u), 0.6 * std::sin(2.0 * v)};
-  }
-  return mesh;
-}
-
-struct Scene {
-  std::string name;
-  Mesh mesh;
-};
-
-std::vector<Scene> scenes() {
-  const Mesh sphere = sphere_mesh(2);
-  return {
-      {"sphere", sphere},
-      {"inward_torus", turned(torus_mesh(2.0, 0.7, 20, 12))},
-      {"star", star_mesh(3, 7)},
-      {"grid_cube", cube_mesh(4)},
-      {"crossing_spheres", join(sphere, moved(star_mesh(2, 3), 0.9, {0.4, 0.3, 0.2}))},
-      {"crossed_torus", crossed_torus()},
-      {"cavity", join(sphere, turned(moved(sphere_mesh(1), 0.6, {0.1, 0, 0})))},
-      {"nested_alike", join(sphere, moved(sphere_mesh(1), 0.6, {0.1, 0, 0}))},
-      {"nested_thrice", join(join(moved(sphere_mesh(1), 2.0, {}), turned(sphere)), moved(sphere_mesh(1), 0.5, {}))},
-      {"needles", stretched(torus_mesh(2.0, 0.7, 30, 3), {1.0, 1e-6, 1e-3})},
-      {"thin_disc", stretched(star_mesh(2, 5), {1.0, 1.0, 1e-6})},
-      {"fins", cube_with_fins()},
-      {"twice", join(star_mesh(1, 9), star_mesh(1, 9))},
-      {"against_itself", join(join(sphere_mesh(1), turned(sphere_mesh(1))), moved(tetrahedron(), 0.5, {2, 0, 0}))},
-      {"touching_cubes", join(cube_mesh(2), moved(cube_mesh(2), 1.0, {1, 0, 0}))},
-      {"touching_in_side", join(tetrahedron(), stretched(tetrahedron(), {-1, -1, 1}))},
-      {"touching_in_corner", join(tetrahedron(), turned(stretched(tetrahedron(), {-1, -1, -1})))},
-      {"nested_in_side", nested_in_side()},
-      {"folded", folded_and_crossing_in_corner()},
-      {"degenerate", tetrahedron_with_degenerate()},
-      {"far_away", moved(star_mesh(2, 2), 1e-3, {1e9, -1e9, 1e9})},
-      {"huge", moved(star_mesh(2, 4), 1e59, {})},
-      {"tiny", moved(star_mesh(2, 4), 1e-40, {})},
-  };
-}
-
-/// Points in all kinds of places about a triangle.
-class Places {
- public:
-  Places(const Mesh& mesh, unsigned seed) : triangles_(triangles_of(mesh)), random_(seed) {
-    for (const Triangle& triangle : triangles_) {
-      for (const Point& corner : triangle) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          lower_[i] = std::min(lower_[i], corner[i]);
-          upper_[i] = std::max(upper_[i], corner[i]);
-        }
-      }
-    }
-    for (std::size_t i = 0; i < 3; ++i) size_ = std::max(size_, upper_[i] - lower_[i]);
-  }
-
-  Point next() {
-    const Triangle& t =
-        triangles_[static_cast<std::size_t>(random_.uniform(0, static_cast<double>(triangles_.size())))];
-    switch (count_++ % 11) {
-      case 0: return anywhere(0.25);
-      case 1: return anywhere(3.0);
-      case 2: return aside(at(t, weights()), 1e-2);
-      case 3: return aside(at(t, weights()), 1e-9);
-      case 4: return step(at(t, weights()));
-      case 5: return step(at(t, side_weights()));
-      case 6: return step(t[0]);
-      case 7: return at(t, {1.0, 0.0, 0.0});
-      case 8: return beyond(t);
-      case 9: return count_ % 2 == 0 ? middle() : anywhere(0.0);
-      default: return aside(t[0], 1e-3);
-    }
-  }
-
- private:
-  using Weights = std::array<double, 3>;
-
-  Weights weights() {
-    const double u = random_.uniform(0, 1);
-    const double v = random_.uniform(0, 1 - u);
-    return {1 - u - v, u, v};
-  }
-  Weights side_weights() {
-    const double u = std::floor(random_.uniform(0, 5)) / 4;
-    return {1 - u, u, 0};
-  }
-  static Point at(const Triangle& t, const Weights& w) {
-    Point x;
-    for (std::size_t i = 0; i < 3; ++i) x[i] = w[0] * t[0][i] + w[1] * t[1][i] + w[2] * t[2][i];
-    return x;
-  }
-  Point anywhere(double margin) {
-    Point x;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double width = upper_[i] - lower_[i];
-      x[i] = random_.uniform(lower_[i] - margin * width, upper_[i] + margin * width);
-    }
-    return x;
-  }
-  /// As far from many triangles where they lie on a sphere.
-  [[nodiscard]] Point middle() const {
-    Point x;
-    for (std::size_t i = 0; i < 3; ++i) x[i] = lower_[i] / 2 + upper_[i] / 2;
-    return x;
-  }
-  Point aside(Point x, double share) {
-    for (double& c : x) c += random_.uniform(-share, share) * size_;
-    return rounded(x);
-  }
-  /// One unit in the last place, in each coordinate down, up or nowhere; the oracle has no subnormal numbers.
-  Point step(Point x) {
-    for (double& c : x) {
-      const double way = std::floor(random_.uniform(-1, 2));
-      if (way != 0 && std::abs(c) > 1e-30 * size_) c = std::nextafter(c, way * infinity);
-    }
-    return rounded(x);
-  }
-  /// On the line through a side, or in the plane, about.
-  Point beyond(const Triangle& t) {
-    const double u = random_.uniform(-3, 3);
-    const double v = count_ % 20 < 10 ? 0.0 : random_.uniform(-3, 3);
-    return rounded(at(t, {1 - u - v, u, v}));
-  }
-  Point rounded(Point x) const {
-    for (double& c : x) c = std::abs(c) < 1e-25 * size_ ? 0.0 : c;
-    return x;
-  }
-
-  std::vector<Triangle> triangles_;
-  Random random_;
-  Point lower_{infinity, infinity, infinity};
-  Point upper_{-infinity, -infinity, -infinity};
-  double size_ = 0.0;
-  std::size_t count_ = 0;
-};
 
 Enclosure unsigned_distance(const ClosedMesh::Distance& found) {
   const Enclosure& d = found.signed_distance;
   return found.side == Side::inside ? Enclosure{-d.hi, -d.lo} : d;
 }
 
-class AboutMesh : public ::testing::TestWithParam<Scene> {};
+class AboutMesh : public ::testing::TestWithParam<MeshScene> {};
 
 TEST_P(AboutMesh, DistancesAndSidesAreExact) {
   const Mesh& mesh = GetParam().mesh;
@@ -295,7 +54,7 @@ TEST_P(AboutMesh, DistancesAndSidesAreExact) {
   const double unit = GetParam().name == "tiny" ? 0x1p-130 : (GetParam().name == "huge" ? 0x1p196 : 1.0);
   const oracle::ExactMesh exact(triangles_of(moved(mesh, 1.0 / unit, {})));
   const ClosedMesh solid(mesh);
-  Places places(mesh, 1);
+  PlacesAboutMesh places(mesh, 1);
   Random random(2);
   std::array<std::size_t, 4> by_means{};
   std::size_t wrong = 0;
@@ -324,7 +83,7 @@ TEST_P(AboutMesh, DistancesAndSidesAreExact) {
   RecordProperty("median_width", std::to_string(widths[widths.size() / 2]));
 }
 
-INSTANTIATE_TEST_SUITE_P(ClosedMesh, AboutMesh, ::testing::ValuesIn(scenes()),
+INSTANTIATE_TEST_SUITE_P(ClosedMesh, AboutMesh, ::testing::ValuesIn(testing::mesh_scenes()),
                          [](const auto& scene) { return scene.param.name; });
 
 TEST(ClosedMesh, TellsWhatMeetsWhat) {
@@ -380,7 +139,7 @@ TEST(ClosedMesh, AllThatMayBeNearestAreListedOrItIsSaid) {
   Mesh octahedra = sphere_mesh(0);
   for (int n = 0; n < 4; ++n) octahedra = join(octahedra, sphere_mesh(0));
   EXPECT_FALSE(WideTree(triangles_of(octahedra)).nearest({0, 0, 0}).complete);
-  Places places(mesh, 6);
+  PlacesAboutMesh places(mesh, 6);
   for (int n = 0; n < 300; ++n) {
     const Point point = places.next();
     const WideTree::Nearest found = tree.nearest(point, static_cast<std::uint32_t>(n));
@@ -399,7 +158,7 @@ TEST(ClosedMesh, AllThatMayBeNearestAreListedOrItIsSaid) {
 
 TEST(ClosedMesh, PlanesDecideNearSmoothSurfacesAndRaysTheRest) {
   const ClosedMesh smooth(sphere_mesh(3));
-  Places places(sphere_mesh(3), 4);
+  PlacesAboutMesh places(sphere_mesh(3), 4);
   std::size_t rays = 0;
   for (int n = 0; n < 1000; ++n) rays += smooth.signed_distance(places.next()).means == Means::ray ? 1 : 0;
   EXPECT_LT(rays, 300U);  // of ten points three lie beside a corner or a side, to rounding

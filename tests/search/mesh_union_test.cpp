@@ -120,5 +120,58 @@ TEST(MeshUnion, KnowsAWayOutOfOverlappingSolids) {
     EXPECT_GT(part.mesh.signed_distance(*found.certificate.escape).signed_distance.lo, 0.0);
 }
 
+bool never() {
+  return false;
+}
+
+/// A mesh that crosses itself: inside, the nearest triangle may not belong to the boundary.
+TEST(MeshClosestPoint, IsUnknownInsideWhereTrianglesCross) {
+  Mesh beside = cube();
+  for (Point& vertex : beside.vertices) vertex[0] += 1.0;
+  const PosedMesh mesh(mesh_primitive("both", testing::join(cube(), beside)));
+  EXPECT_FALSE(closest_point(mesh, {0.875, 0.25, 0.125})) << "the side of the other cube at x = 1 is nearest";
+  EXPECT_TRUE(closest_point(mesh, {-1.5, 0.25, 0.125}));
+}
+
+TEST(MeshUnion, IsAsDeepAsItsDeepestPart) {
+  const MeshUnion solids({"",
+                          {mesh_primitive("left", cube()),
+                           mesh_primitive("right", cube(), {.translation = {1.0, 0.0, 0.0}}),
+                           {"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {.translation = {9.0, 0.0, 0.0}}}}});
+  const auto inside = solids({0.875, 0.25, 0.125}, 0.0, true, never);
+  EXPECT_LE(inside.distance.hi, -0.75 + 1e-14) << "of the right one, the left one is 0.125 deep";
+  EXPECT_LE(inside.distance.lo, -0.75);
+  EXPECT_FALSE(solids.closest_point({0.875, 0.25, 0.125})) << "inside of several";
+  const auto beside_ball = solids({9.0, 3.0, 0.5}, 0.0, true, never);
+  ASSERT_FALSE(beside_ball.certificate.normals.empty());
+  for (const Normal& normal : beside_ball.certificate.normals) EXPECT_EQ(normal.primitive, 2U);
+  EXPECT_EQ(solids.closest_point({9.0, 3.0, 0.5})->primitive, 2U);
+}
+
+/// Of touching solids in poses that round, a common point may lie outside of each, as far as is known; it is deep.
+TEST(MeshUnion, CoversTheCommonFaceOfPosedSolids) {
+  const MeshUnion solids({"",
+                          {mesh_primitive("left", cube(), {.translation = {-1.0, 0.0, 0.0}}),
+                           mesh_primitive("right", cube(), {.translation = {1.0, 0.0, 0.0}})}});
+  const auto found = solids({0.0, 0.25, 0.0}, 0.0, true, never);
+  EXPECT_LE(found.distance.lo, -0.75);
+}
+
+/// What is called a way out is proven to be outside, in any place.
+TEST(MeshUnion, WaysOutLieOutside) {
+  Random random(6);
+  for (int n = 0; n < 20; ++n) {
+    const auto pose = [&] {
+      return Pose{random.point(0.5),
+                  {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
+    };
+    const MeshUnion solids({"", {mesh_primitive("one", cube(), pose()), mesh_primitive("other", cube(), pose())}});
+    const auto found = solids(random.point(0.25), 0.0, true, never);
+    ASSERT_TRUE(found.certificate.escape);
+    for (const MeshUnion::Part& part : solids.meshes())
+      EXPECT_GT(part.mesh.signed_distance(*found.certificate.escape).signed_distance.lo, 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace verisq::verify

@@ -302,7 +302,20 @@ PlacedMesh placed(const Primitive& primitive) {
   return placed(*primitive.mesh, RigidMotion(primitive.pose));
 }
 
-PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(*primitive.mesh) {
+namespace {
+
+/// Which of a model's meshes is refused, its name tells.
+ClosedMesh closed_mesh_of(const Primitive& primitive) {
+  try {
+    return ClosedMesh(*primitive.mesh);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: {}", primitive.name, error.what()));
+  }
+}
+
+}  // namespace
+
+PosedMesh::PosedMesh(const Primitive& primitive) : mesh_(closed_mesh_of(primitive)) {
   if (is_at_rest(primitive.pose)) return;
   motion_.emplace(primitive.pose);
   turned_.translation = primitive.pose.translation;

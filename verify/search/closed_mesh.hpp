@@ -104,7 +104,7 @@ class ClosedMesh {
 /// A primitive that is a mesh, in its place in the model. Immutable: safe to ask from many threads.
 class PosedMesh {
  public:
-  /// Throws as ClosedMesh. Precondition: `primitive.mesh`, finite pose.
+  /// Throws as ClosedMesh, with the primitive's name. Precondition: `primitive.mesh`, finite pose.
   explicit PosedMesh(const Primitive& primitive);
 
   /// As ClosedMesh::signed_distance, in the model's frame. A pose widens the enclosure by its rounding.

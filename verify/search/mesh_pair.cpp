@@ -186,6 +186,12 @@ Ball ball_about(const Triangle& triangle) {
   return ball;
 }
 
+/// Bounds how far the centre of a ball about a triangle with no larger coordinate is from its middle: three quotients
+/// and two sums round a coordinate by less than 4 u of it.
+double rounding_of_middle(double largest) {
+  return 0x1p-50 * largest;
+}
+
 /// Searches the pairs of near triangles; all others are farther than the upper end.
 class NearestTriangles {
  public:
@@ -471,8 +477,8 @@ class MeshesApart {
  private:
   /// A point of one surface that lies deep in the other solid stays there if that moves by less.
   [[nodiscard]] MeshPair deepest_point(const Enclosure& distance) const {
-    const Lie of_a = lie_of(points_on(a_), b_.placed->mesh(), to_b_, to_b_.displacement(a_.largest) + off(a_), true);
-    const Lie of_b = lie_of(points_on(b_), a_.placed->mesh(), to_a_, to_a_.displacement(b_.largest) + off(b_), true);
+    const Lie of_a = lie_of(points_on(a_), b_.placed->mesh(), to_b_, off(a_, to_b_), true);
+    const Lie of_b = lie_of(points_on(b_), a_.placed->mesh(), to_a_, off(b_, to_a_), true);
     if (!of_a.meets() && !of_b.meets()) return {distance};
     if (of_a.deepest > of_b.deepest) return {they_meet, of_a.deepest, common_point(a_, of_a, b_, to_b_, a_to_model_)};
     return {they_meet, of_b.deepest, common_point(b_, of_b, a_, to_a_, b_to_model_)};
@@ -494,6 +500,11 @@ class MeshesApart {
     return std::nullopt;
   }
 
+  /// Of its points, from their exact places in the other frame.
+  static double off(const Solid& solid, const RoundedMotion& motion) {
+    return (Interval(motion.displacement(solid.largest)) + Interval(rounding_of_middle(solid.largest))).upper();
+  }
+
   /// A corner of each triangle, and its middle: where solids are aligned, corners may touch, and not lie deeper.
   static std::vector<Point> points_on(const Solid& solid) {
     std::vector<Point> points;
@@ -503,9 +514,6 @@ class MeshesApart {
     }
     return points;
   }
-
-  /// A middle is rounded: three quotients and two sums by less than 4 u of a coordinate.
-  static double off(const Solid& solid) { return 0x1p-50 * solid.largest; }
 
   static Enclosure of_surfaces(const Solid& from, const Solid& to, const RoundedMotion& motion,
                                const std::function<bool()>& interrupted) {
@@ -541,7 +549,8 @@ class MeshAndSuperquadrics {
     for (std::size_t n = 0; n < triangles.size(); ++n) {
       const Ball ball = ball_about(triangles[n]);
       const Enclosure at_centre = (*superquadrics_.of_points)(ball.centre, infinity);
-      if (const double here = (Interval(-at_centre.hi) - Interval(displacement)).lower(); here > depth) {
+      const Interval off = Interval(displacement) + Interval(rounding_of_middle(largest_coordinate(triangles[n])));
+      if (const double here = (Interval(-at_centre.hi) - off).lower(); here > depth) {
         depth = here;
         deepest = n;
       }

@@ -80,7 +80,7 @@ template <class Vector>
 
 }  // namespace
 
-WideTree::WideTree(std::span<const Triangle> triangles) : triangles_(triangles.begin(), triangles.end()) {
+WideTree::WideTree(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
   lower_ = upper_ = triangles_[0][0];
   for (const Triangle& triangle : triangles_) {
     for (const Point& corner : triangle) {

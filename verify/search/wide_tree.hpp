@@ -19,7 +19,7 @@ class WideTree {
  public:
   /// Preconditions: at least one triangle, at most 2^31; every coordinate is 0 or finite; the largest lies in
   /// [least_size, largest_size].
-  explicit WideTree(std::span<const Triangle> triangles);
+  explicit WideTree(std::vector<Triangle> triangles);
 
   /// Range of the largest coordinate: within it no square of a difference that matters overflows or underflows.
   static constexpr double least_size = 0x1p-200;

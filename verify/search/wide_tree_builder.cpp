@@ -34,16 +34,14 @@ class WideTree::Builder {
     tree_.nodes_.reserve(items_.size() / 16 + 1);
     tree_.leaves_.reserve(items_.size() / 4 + 1);
     build(std::span(items_), 0);
-    std::vector<Triangle> ordered(items_.size());
     tree_.number_of_.resize(items_.size());
     tree_.place_of_.resize(items_.size());
     for (std::uint32_t place = 0; place < items_.size(); ++place) {
-      const std::uint32_t n = items_[place].triangle;
-      ordered[place] = tree_.triangles_[n];
-      tree_.number_of_[place] = n;
-      tree_.place_of_[n] = place;
+      tree_.number_of_[place] = items_[place].triangle;
+      tree_.place_of_[items_[place].triangle] = place;
     }
-    tree_.triangles_ = std::move(ordered);
+    items_ = {};
+    order_triangles();
   }
 
  private:
@@ -204,6 +202,24 @@ class WideTree::Builder {
     }
     tree_.nodes_[place] = node;
     return place;
+  }
+
+  /// Along the cycles of the permutation: a second list of triangles would be the largest of all that is in memory.
+  void order_triangles() {
+    std::vector<Triangle>& triangles = tree_.triangles_;
+    std::vector<bool> ordered(triangles.size(), false);
+    for (std::uint32_t first = 0; first < triangles.size(); ++first) {
+      if (ordered[first]) continue;
+      const Triangle kept = triangles[first];
+      std::uint32_t place = first;
+      for (std::uint32_t from = tree_.number_of_[place]; from != first; from = tree_.number_of_[place]) {
+        triangles[place] = triangles[from];
+        ordered[place] = true;
+        place = from;
+      }
+      triangles[place] = kept;
+      ordered[place] = true;
+    }
   }
 
   WideTree& tree_;
