@@ -40,6 +40,19 @@ struct alignas(32) WideTree::Measured {
   std::array<double, 4> side;  ///< of its plane on which the point is proven to lie; 0 where it is not
 };
 
+/// Boxes and leaves are seen in `Number`, scaled, and pass over what is proven to be farther than the nearest triangle;
+/// what is left is measured in binary64. All operations are those of IEEE 754, none is fused.
+///
+/// Scaled coordinates of corners are at most 1 and off by 2^-24, those of the query, |q|, by e |q|, their differences
+/// by e (1 + |q|), e = 2^-24 or 2^-53: S, the slack, 8 e (1 + |q|) + 2^-22, is at least four times all that together.
+///
+/// *Passed over.* Boxes displace by √3/4 S < 0.44 S. A product n·x of three terms rounds by 3.03 e |n||x|, |x| <= √3
+/// (1 + |q|), which is below 0.67 S |n|; displacements add 0.44 S |n|. Squares, their sums, quotient and root round by
+/// less than 10 e, relatively. So what exceeds the square of (reach + 2 S) (1 + 2^-19), by boxes or by n, is farther
+/// than `reach`. Squares that underflow are beside S^2 > 2^-44 nothing, as |n|^2 >= 2^-80 is asked for.
+///
+/// *Approached.* By points of triangles a limit is proposed: displacements and roundings of a + v ab + w ac are
+/// below 2.2 S. Nothing rests on it: `find` compares it with that of the proven upper end.
 template <class Number>
 class WideTree::Search {
  public:
@@ -70,6 +83,21 @@ class WideTree::Search {
     }
     drop_farther(found);
     found.limit = limit_;
+  }
+
+  /// Bounds of squared distances, of a leaf's triangles, by boxes or by n.
+  [[gnu::always_inline]] void bound(const Leaf& leaf, std::array<double, width>& lowers) const {
+    const SeenLeaf seen = see(leaf);
+    Vector box{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& [a, b, c] = std::array{seen.corner[0][i], seen.corner[1][i], seen.corner[2][i]};
+      const Vector outside = greater<Vector>(
+          greater<Vector>(lesser<Vector>(lesser<Vector>(a, b), c), -greater<Vector>(greater<Vector>(a, b), c)),
+          Vector{});
+      box += outside * outside;
+    }
+    const Vector best = greater<Vector>(box, seen.lower);
+    for (std::size_t lane = 0; lane < width; ++lane) lowers[lane] = best[lane];
   }
 
  private:
@@ -112,28 +140,39 @@ class WideTree::Search {
 
   [[gnu::always_inline]] Vector limit_lanes() const { return Vector{} + limit_; }
 
-  [[gnu::always_inline]] void look_at(const Leaf& leaf, Candidates& found) {
-    fetch(&tree_.triangles_[leaf.first], leaf.count * sizeof(Triangle));
-    std::array<Space, 3> corner;
+  struct SeenLeaf {
+    std::array<Space, 3> corner;  ///< less the query
+    Vector square;                ///< of the distance of a point of each triangle
+    Vector lower;                 ///< squared
+  };
+
+  [[gnu::always_inline]] SeenLeaf see(const Leaf& leaf) const {
+    SeenLeaf seen;
     Space ab, ac;
     for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) corner[k][i] = load<Number>(leaf.corner[k][i]) - query_[i];
-      ab[i] = corner[1][i] - corner[0][i];
-      ac[i] = corner[2][i] - corner[0][i];
+      for (std::size_t k = 0; k < 3; ++k) seen.corner[k][i] = load<Number>(leaf.corner[k][i]) - query_[i];
+      ab[i] = seen.corner[1][i] - seen.corner[0][i];
+      ac[i] = seen.corner[2][i] - seen.corner[0][i];
     }
-    const Shares<Vector> shares = nearest_shares<Vector>(corner[0], corner[1], ab, ac);
+    const auto& [a, b, c] = seen.corner;
+    const Shares<Vector> shares = nearest_shares<Vector>(a, b, ab, ac);
     Space n;
-    for (std::size_t i = 0; i < 3; ++i) n[i] = corner[0][i] + shares.b * ab[i] + shares.c * ac[i];
-    const Vector square = inner(n, n);
-    const Vector least = greater<Vector>(
-        lesser<Vector>(lesser<Vector>(inner(n, corner[0]), inner(n, corner[1])), inner(n, corner[2])), Vector{});
-    // No lane is passed over for a number that is none.
-    const Vector lower = square >= Vector{} + Number(0x1p-80F) ? least * least / square : Vector{};
+    for (std::size_t i = 0; i < 3; ++i) n[i] = a[i] + shares.b * ab[i] + shares.c * ac[i];
+    seen.square = inner(n, n);
+    const Vector least =
+        greater<Vector>(lesser<Vector>(lesser<Vector>(inner(n, a), inner(n, b)), inner(n, c)), Vector{});
+    seen.lower = seen.square >= Vector{} + Number(0x1p-80F) ? least * least / seen.square : Vector{};
+    return seen;
+  }
+
+  [[gnu::always_inline]] void look_at(const Leaf& leaf, Candidates& found) {
+    fetch(&tree_.triangles_[leaf.first], leaf.count * sizeof(Triangle));
+    const SeenLeaf seen = see(leaf);
     std::array<Number, width> squares, lowers;
-    std::memcpy(squares.data(), &square, sizeof square);
-    std::memcpy(lowers.data(), &lower, sizeof lower);
+    std::memcpy(squares.data(), &seen.square, sizeof squares);
+    std::memcpy(lowers.data(), &seen.lower, sizeof lowers);
     approach(*std::min_element(squares.begin(), squares.end()));
-    const unsigned open = ~bits_of(lower > limit_lanes()) & ((1U << leaf.count) - 1U);
+    const unsigned open = ~bits_of(seen.lower > limit_lanes()) & ((1U << leaf.count) - 1U);
     for (unsigned lane = 0; lane < width; ++lane) {
       found.place[found.size] = leaf.first + lane;
       lower_[found.size] = lowers[lane];
@@ -159,7 +198,7 @@ class WideTree::Search {
     found.size = kept;
   }
 
-  void make_room(Candidates& found) {
+  [[gnu::always_inline]] void make_room(Candidates& found) {
     drop_farther(found);
     if (found.size <= Candidates::most) return;
     found.crowded = true;
@@ -178,7 +217,7 @@ class WideTree::Search {
   std::array<Open, most_open> open_;
 };
 
-/// Sc.
+/// S, and the limit of squares, both of `Search`.
 double WideTree::slack(const std::array<double, 3>& place) {
   const double largest = largest_coordinate(place);
   const double rounding = largest <= near_in_sizes ? 0x1p-24 : 0x1p-53;
@@ -210,8 +249,8 @@ using FourLanes = Lanes<double, 4>;
   std::array<std::array<FourLanes, 3>, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < 3; ++i) {
-      corners[k][i] = FourLanes{(*triangles[0])[k][i], (*triangles[1])[k][i], (*triangles[2])[k][i],
-                                (*triangles[3])[k][i]};
+      corners[k][i] =
+          FourLanes{(*triangles[0])[k][i], (*triangles[1])[k][i], (*triangles[2])[k][i], (*triangles[3])[k][i]};
     }
   }
   return corners;
@@ -219,6 +258,7 @@ using FourLanes = Lanes<double, 4>;
 
 }  // namespace
 
+/// By fours, the last one repeated. Needles, and what lies near the plane, are bounded one by one.
 VERISQ_WIDEST_VECTORS
 void WideTree::measure(const Point& point, std::span<const std::uint32_t> places, std::span<Measured> found) const {
   const std::array<FourLanes, 3> query{FourLanes{} + point[0], FourLanes{} + point[1], FourLanes{} + point[2]};
@@ -247,25 +287,6 @@ void WideTree::measure(const Point& point, std::span<const std::uint32_t> places
   }
 }
 
-/// True proves, by binary32, that the triangle is farther than `reach`. It depends on nothing else.
-bool WideTree::is_proven_farther(const Point& point, double reach, double upper, std::uint32_t place) const {
-  const auto query = scaled(point);
-  const double off = slack(query);
-  if (upper * scale_ <= reach * scale_ + off / 2.0) return false;
-  const Leaf& leaf = leaves_[leaf_of_[place]];
-  const double limit = limit_of(reach * scale_, off);
-  const std::size_t lane = place - leaf.first;
-  std::array<Point, 3> corner;
-  double box = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) corner[k][i] = leaf.corner[k][i][lane] - query[i];
-    const auto [low, high] = std::minmax({corner[0][i], corner[1][i], corner[2][i]});
-    const double outside = std::max({low, -high, 0.0});
-    box += outside * outside;
-  }
-  return box > limit;
-}
-
 /// The mesh is within 2 √3 scaled units of the corner of its box, which is at least 2^46 - 2 of them away: 2^-44.
 /// Differences and length round by less than 2^-49. A length beyond binary64 is at least its largest component.
 void WideTree::see_from_afar(const Point& point, Nearest& found) const {
@@ -287,6 +308,9 @@ double WideTree::least_upper(std::span<const Measured> measured, std::size_t cou
   return least;
 }
 
+/// Triangles that were passed over are farther than the reach of the limit. If that is no less than the upper end, they
+/// hold no nearest point, and their upper ends are larger; else the search begins again with the limit of the upper
+/// end.
 void WideTree::find(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const {
   const auto place = scaled(point);
   const double off = slack(place);
@@ -308,10 +332,11 @@ void WideTree::find(const Point& point, std::optional<std::uint32_t> hint, Neare
   }
 }
 
+/// All within a cube about the ball that is wider by 4 S: what lies beyond is farther by boxes, too (`choose`).
 void WideTree::find_in_crowd(const Point& point, double reach, Nearest& found) const {
   for (;;) {
     std::vector<std::uint32_t> places;
-    within(point, reach, places);
+    within(point, reach + 4.0 * slack(scaled(point)) / scale_, places);
     for (std::uint32_t& place : places) place = place_of_[place];
     std::vector<Measured> measured((places.size() + 3) / 4);
     measure(point, places, measured);
@@ -321,6 +346,34 @@ void WideTree::find_in_crowd(const Point& point, double reach, Nearest& found) c
   }
 }
 
+VERISQ_WIDEST_VECTORS
+void WideTree::bound_near(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const {
+  Search<float>(*this, point).bound(leaf, lowers);
+}
+
+VERISQ_WIDEST_VECTORS
+void WideTree::bound_far(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const {
+  Search<double>(*this, point).bound(leaf, lowers);
+}
+
+/// True proves that the triangle is farther than `reach`. Whatever a search passes over is, if its limit is at least
+/// that of `reach`: so what is kept depends on the point alone.
+bool WideTree::is_proven_farther(const Point& point, double reach, double upper, std::uint32_t place) const {
+  const auto query = scaled(point);
+  const double off = slack(query);
+  if (upper * scale_ <= reach * scale_ + off / 2.0) return false;
+  const Leaf& leaf = leaves_[leaf_of_[place]];
+  std::array<double, width> lowers;
+  if (largest_coordinate(query) <= near_in_sizes) {
+    bound_near(point, leaf, lowers);
+  } else {
+    bound_far(point, leaf, lowers);
+  }
+  return lowers[place - leaf.first] > limit_of(reach * scale_, off);
+}
+
+/// The least upper end is that of all triangles, and of those as near the first in the tree. A triangle whose lower end
+/// is loose counts unless it is proven farther: so the answer depends on neither the hint nor the order of the search.
 void WideTree::choose(const Point& point, std::span<const std::uint32_t> places, std::span<const Measured> measured,
                       double upper, Nearest& found) const {
   found.distance = {upper, upper};

@@ -150,8 +150,7 @@ template <class Number>
 [[gnu::always_inline]] inline Number lower_by(const SeenTriangle<Number>& seen, const std::array<Number, 3>& n,
                                               const Number& square, const Number& length) {
   const Number least = lesser<Number>(lesser<Number>(inner(n, seen.a), inner(n, seen.b)), inner(n, seen.c));
-  const Number lower =
-      least / length * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length;
+  const Number lower = least / length * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length;
   return square >= Number{} + least_square ? greater<Number>(lower, Number{}) : Number{};
 }
 
@@ -192,9 +191,8 @@ template <class Number>
   const Number v = (d11 * d20 - d01 * d21) * inverse;
   const Number w = (d00 * d21 - d01 * d20) * inverse;
   const auto inside = (v >= zero) & (w >= zero) & (v + w <= one);
-  const auto clamp = [&](const Number& x) [[gnu::always_inline]] {
-    return lesser<Number>(greater<Number>(x, zero), one);
-  };
+  const auto clamp = [&](const Number& x)
+                         [[gnu::always_inline]] { return lesser<Number>(greater<Number>(x, zero), one); };
   const Number on_ab = clamp(d20 / d00), on_ac = clamp(d21 / d11), on_bc = clamp(-inner(b, bc) / inner(bc, bc));
   std::array<Number, 3> to_ab, to_ac, to_bc;
   for (std::size_t i = 0; i < 3; ++i) {

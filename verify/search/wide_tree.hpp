@@ -40,8 +40,8 @@ class WideTree {
     std::array<Near, 32> near;
   };
 
-  /// `hint`: a triangle to begin with, as that of a neighbour; it changes no bound but by where triangles are equally
-  /// near. Precondition: finite. Points farther away than `farthest` sizes of the mesh get bounds as wide as its size.
+  /// `hint`: a triangle to begin with, as that of a neighbour; it changes nothing but the order of `near`.
+  /// Precondition: finite. Points farther away than `farthest` sizes of the mesh get bounds as wide as its size.
   [[nodiscard]] Nearest nearest(const Point& point, std::optional<std::uint32_t> hint = {}) const;
 
   static constexpr double farthest = 0x1p46;
@@ -97,6 +97,8 @@ class WideTree {
   static double limit_of(double reach, double slack);
   void search_near(const Point& point, std::optional<std::uint32_t> hint, Candidates& found) const;
   void search_far(const Point& point, std::optional<std::uint32_t> hint, Candidates& found) const;
+  void bound_near(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const;
+  void bound_far(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const;
   void measure(const Point& point, std::span<const std::uint32_t> places, std::span<Measured> found) const;
   static double least_upper(std::span<const Measured> measured, std::size_t count);
   void find(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const;
