@@ -156,6 +156,52 @@ TEST(ClosedMesh, AllThatMayBeNearestAreListedOrItIsSaid) {
   }
 }
 
+/// Rows of parts are those of the whole: what came before changes no bit.
+TEST(ClosedMesh, TheTriangleToBeginWithChangesNothing) {
+  for (const Mesh& mesh : {star_mesh(3, 1), cube_mesh(4), tetrahedron_with_degenerate(), sphere_mesh(3)}) {
+    const WideTree tree(triangles_of(mesh));
+    Places places(mesh, 9);
+    Random random(9);
+    for (int n = 0; n < 300; ++n) {
+      const Point point = n == 0 ? Point{} : places.next();
+      const WideTree::Nearest alone = tree.nearest(point);
+      for (int k = 0; k < 4; ++k) {
+        const auto hint = static_cast<std::uint32_t>(random.uniform(0, 0.999) * static_cast<double>(tree.size()));
+        const WideTree::Nearest found = tree.nearest(point, hint);
+        EXPECT_EQ(found.distance.lo, alone.distance.lo);
+        EXPECT_EQ(found.distance.hi, alone.distance.hi);
+        EXPECT_EQ(found.triangle, alone.triangle);
+        EXPECT_EQ(found.way, alone.way);
+        EXPECT_EQ(found.count, alone.count);
+        EXPECT_EQ(found.complete, alone.complete);
+      }
+    }
+  }
+}
+
+/// Bounds by lanes, and by boxes and planes of all triangles, beside exact distances and sides; also from far away.
+TEST(ClosedMesh, NearTrianglesAreBoundedAndTheirSidesAreRight) {
+  const Mesh mesh = star_mesh(2, 3);
+  const std::vector<Triangle> triangles = triangles_of(mesh);
+  const WideTree tree(triangles);
+  const oracle::ExactMesh exact(triangles);
+  Places places(mesh, 10);
+  for (int n = 0; n < 400; ++n) {
+    Point point = places.next();
+    const double factor = n % 4 == 0 ? std::ldexp(1.0, n % 30) : 1.0;
+    for (double& x : point) x *= factor;
+    const WideTree::Nearest found = tree.nearest(point);
+    EXPECT_TRUE(oracle::holds_root(found.distance, exact.squared_distance(point))) << n;
+    for (std::size_t i = 0; i < found.count; ++i) {
+      const WideTree::Near& near = found.near[i];
+      const Triangle& triangle = triangles[near.triangle];
+      EXPECT_TRUE(near.side == 0 || near.side == orientation(triangle, point)) << n;
+      const oracle::Fraction own = oracle::ExactMesh(std::array<Triangle, 1>{triangle}).squared_distance(point);
+      EXPECT_TRUE(oracle::holds_root({near.lower, 2.0 * found.distance.hi + 1.0}, own)) << n;
+    }
+  }
+}
+
 TEST(ClosedMesh, PlanesDecideNearSmoothSurfacesAndRaysTheRest) {
   const ClosedMesh smooth(sphere_mesh(3));
   PlacesAboutMesh places(sphere_mesh(3), 4);

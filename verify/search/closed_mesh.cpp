@@ -185,15 +185,15 @@ bool ClosedMesh::is_on_triangle(const Point& point, const WideTree::Nearest& nea
 }
 
 /// Where all triangles that may be nearest agree (docs/mathematics.md §29).
-std::optional<ClosedMesh::Side> ClosedMesh::side_by_planes(const Point& point, const WideTree::Nearest& nearest) const {
+std::optional<ClosedMesh::Side> ClosedMesh::side_by_planes(const WideTree::Nearest& nearest) const {
   if (!nearest.complete) return std::nullopt;
   std::optional<bool> all;
   for (std::size_t i = 0; i < nearest.count; ++i) {
     const std::uint32_t n = nearest.near[i].triangle;
     if (!sides_[n].known) return std::nullopt;
-    const std::optional<int> sign = near_orientation(tree_.triangle(n), point);
-    if (!sign) return std::nullopt;
-    const bool inside = *sign > 0 ? sides_[n].before : sides_[n].behind;
+    const int sign = nearest.near[i].side;
+    if (sign == 0) return std::nullopt;
+    const bool inside = sign > 0 ? sides_[n].before : sides_[n].behind;
     if (all && *all != inside) return std::nullopt;
     all = inside;
   }
@@ -208,7 +208,7 @@ void ClosedMesh::decide_side(const Point& point, const WideTree::Nearest& neares
     return;
   }
   distance.means = Means::planes;
-  if (const std::optional<Side> side = side_by_planes(point, nearest)) {
+  if (const std::optional<Side> side = side_by_planes(nearest)) {
     distance.side = *side;
     return;
   }

@@ -86,7 +86,7 @@ class ClosedMesh {
   [[nodiscard]] std::optional<int> winding_before(std::uint32_t n) const;
   [[nodiscard]] bool is_in_box(const Point& point) const;
   [[nodiscard]] bool is_on_triangle(const Point& point, const WideTree::Nearest& nearest) const;
-  [[nodiscard]] std::optional<Side> side_by_planes(const Point& point, const WideTree::Nearest& nearest) const;
+  [[nodiscard]] std::optional<Side> side_by_planes(const WideTree::Nearest& nearest) const;
   void decide_side(const Point& point, const WideTree::Nearest& nearest, Distance& distance) const;
 
   std::vector<Corners> corners_;  ///< equal for equal places

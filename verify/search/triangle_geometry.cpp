@@ -7,81 +7,21 @@
 #include <utility>
 
 #include "verify/numbers/real.hpp"
+#include "verify/search/triangle_bounds.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-/// Shares of the second and the third corner: each in [0, 1], the sum at most 1 + u (u = 2^-53).
-struct Shares {
-  double b;
-  double c;
-};
-
-/// Squares below it may underflow: no vector so short is a normal.
-constexpr double least_square = 0x1p-900;
-/// More than what underflows anywhere in these sums may hide, whose roots are below 2^-530.
-constexpr double underflow_of_length = 0x1p-500;
-/// The rounding error is at most this share of the sums of magnitudes below: 10 u.
-constexpr double share_of_magnitude = 10 * 0x1p-53;
-
-/// A triangle as a point sees it. Differences of binary64 numbers round by u, relatively.
-struct Seen {
-  Point a, b, c;  ///< corners less the point
-  Point ab, ac;
-  double magnitude;  ///< no |a_i| + |ab_i| + |ac_i| is larger, but for rounding
-
-  Seen(const Point& point, const Triangle& triangle) {
-    magnitude = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      a[i] = triangle[0][i] - point[i];
-      b[i] = triangle[1][i] - point[i];
-      c[i] = triangle[2][i] - point[i];
-      ab[i] = triangle[1][i] - triangle[0][i];
-      ac[i] = triangle[2][i] - triangle[0][i];
-      magnitude = std::max(magnitude, std::abs(a[i]) + std::abs(ab[i]) + std::abs(ac[i]));
-    }
-  }
-};
-
-double inner(const Point& x, const Point& y) {
-  return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-}
+using Seen = SeenTriangle<double>;
 
 Point outer(const Point& x, const Point& y) {
   return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
 }
 
-Shares clamped(double b, double c) {
-  const double first = b > 0.0 ? std::min(b, 1.0) : 0.0;  // false for NaN
-  return {first, c > 0.0 ? std::min(c, 1.0 - first) : 0.0};
-}
-
-/// The triangle lies in {x : n·(x - q) >= least n·(corner - q)}, for any n (docs/mathematics.md §29). Products of n
-/// with rounded differences X and their sums round by 4.01 u |n| |X|, |X| <= √3 magnitude: by 7.1 u magnitude in units
-/// of |n|. |n|, the root and the quotient round by 4.01 u, of what is at most √3 magnitude: with the product below 8 u
-/// of it are taken off by its factor.
-inline double lower_by(const Seen& seen, const Point& n, double square, double length) {
-  if (!(square >= least_square)) return 0.0;
-  const double least = std::min({inner(n, seen.a), inner(n, seen.b), inner(n, seen.c)});
-  return std::max(0.0, least / length * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length);
-}
-
 double lower_by(const Seen& seen, const Point& n) {
   const double square = inner(n, n);
   return lower_by(seen, n, square, std::sqrt(square));
-}
-
-/// By the point a + b ab + c ac. Off it by at most u (3|a_i| + 4 b|ab_i| + 3 c|ac_i|) a coordinate, a little more for
-/// products of errors, and by u|ac_i| for the sum of shares beyond 1: by 5.1 u √3 magnitude, which is below 9 u
-/// magnitude. Its length rounds by 3 u, and each operation on it by one more: 8 u.
-inline DistanceBounds bounds_at(const Seen& seen, const Shares& shares) {
-  Point way;
-  for (std::size_t i = 0; i < 3; ++i) way[i] = seen.a[i] + shares.b * seen.ab[i] + shares.c * seen.ac[i];
-  const double square = inner(way, way);
-  const double length = std::sqrt(square);
-  const double upper = length * (1.0 + 0x1p-50) + share_of_magnitude * seen.magnitude + underflow_of_length;
-  return {lower_by(seen, way, square, length), upper, way};
 }
 
 /// The share of the end at the point of a side nearest to the origin; NaN where the ends coincide.
@@ -91,11 +31,11 @@ double near_share(const Point& from, const Point& way) {
 
 /// Needles, and what lies near the plane: sides and the plane's own normal know better.
 DistanceBounds with_sides_and_normal(const Seen& seen, DistanceBounds bounds) {
-  const Shares on_bc =
+  const Shares<double> on_bc =
       clamped(near_share(seen.b, {seen.c[0] - seen.b[0], seen.c[1] - seen.b[1], seen.c[2] - seen.b[2]}), 0.0);
   const std::array sides{clamped(near_share(seen.a, seen.ab), 0.0), clamped(0.0, near_share(seen.a, seen.ac)),
-                         Shares{1.0 - on_bc.b, on_bc.b}};
-  for (const Shares& side : sides) {
+                         Shares<double>{1.0 - on_bc.b, on_bc.b}};
+  for (const Shares<double>& side : sides) {
     const DistanceBounds other = bounds_at(seen, side);
     bounds.lower = std::max(bounds.lower, other.lower);
     if (other.upper < bounds.upper) {
@@ -109,7 +49,7 @@ DistanceBounds with_sides_and_normal(const Seen& seen, DistanceBounds bounds) {
 }
 
 /// Ericson, Real-Time Collision Detection (2005), 5.1.5: which of corners, sides and face is nearest. It proposes only.
-Shares near_shares(const Seen& seen) {
+Shares<double> near_shares(const Seen& seen) {
   const double d1 = -inner(seen.ab, seen.a);
   const double d2 = -inner(seen.ac, seen.a);
   if (d1 <= 0.0 && d2 <= 0.0) return {0.0, 0.0};
@@ -136,10 +76,9 @@ Shares near_shares(const Seen& seen) {
 
 DistanceBounds distance_bounds(const Point& point, const Triangle& triangle) {
   const Seen seen(point, triangle);
-  const Shares shares = near_shares(seen);
+  const Shares<double> shares = near_shares(seen);
   const DistanceBounds bounds = bounds_at(seen, clamped(shares.b, shares.c));
-  if (bounds.upper - bounds.lower <= 64 * share_of_magnitude * seen.magnitude) return bounds;
-  return with_sides_and_normal(seen, bounds);
+  return are_loose(seen, bounds) ? with_sides_and_normal(seen, bounds) : bounds;
 }
 
 namespace {
@@ -208,11 +147,6 @@ Product product(const Point& x, const Point& y) {
   return sum;
 }
 
-/// Cross product 4.01 u, difference u, product u, two sums u each: 8.1 u. What underflows is below 2^-1073, times a
-/// coordinate below 2^301.
-constexpr double rounding_of_volume = 0x1p-49;
-constexpr double underflow_of_volume = 0x1p-700;
-
 int exact_orientation(const Triangle& triangle, const Point& point) {
   std::array<std::array<Exact, 3>, 3> row;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -253,12 +187,8 @@ bool lies_on_segment(const Point& point, const Point& a, const Point& b) {
 }  // namespace
 
 std::optional<int> near_orientation(const Triangle& triangle, const Point& point) {
-  const Cross normal(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
-  const Point way = minus(point, triangle[0]);
-  Product volume = product(normal.value, way);
-  volume.magnitude = product(normal.magnitude, way).magnitude;
-  const int sign = volume.sign(rounding_of_volume, underflow_of_volume);
-  return sign != 0 ? std::optional(sign) : std::nullopt;
+  const double side = proven_side(Seen(point, triangle));
+  return side != 0.0 ? std::optional(sign_of(side)) : std::nullopt;
 }
 
 int orientation(const Triangle& triangle, const Point& point) {

@@ -6,19 +6,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "verify/search/triangle_bounds.hpp"
 #include "verify/solids/closed_edges.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
 
-/// Bounds of the distance of a point from a closed triangle, which may be degenerate, and the way to a point of it that
-/// is proposed as the nearest one.
-struct DistanceBounds {
-  double lower;
-  double upper;
-  Point way;
-};
+using DistanceBounds = BoundsOfDistance<double>;
 
 /// Preconditions: finite; differences no larger than 2^300. What lies below 2^-500 is wide.
 [[nodiscard]] DistanceBounds distance_bounds(const Point& point, const Triangle& triangle);

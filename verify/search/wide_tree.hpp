@@ -28,6 +28,7 @@ class WideTree {
   struct Near {
     double lower;  ///< no point of the triangle is nearer
     std::uint32_t triangle;
+    std::int8_t side;  ///< of its plane on which the point is proven to lie: as near_orientation, or 0
   };
 
   struct Nearest {
@@ -39,8 +40,8 @@ class WideTree {
     std::array<Near, 32> near;
   };
 
-  /// `hint`: a triangle to begin with, as that of a neighbour; it changes no bound but by where triangles are equally
-  /// near. Precondition: finite. Points farther away than `farthest` sizes of the mesh get bounds as wide as its size.
+  /// `hint`: a triangle to begin with, as that of a neighbour; it changes nothing but the order of `near`.
+  /// Precondition: finite. Points farther away than `farthest` sizes of the mesh get bounds as wide as its size.
   [[nodiscard]] Nearest nearest(const Point& point, std::optional<std::uint32_t> hint = {}) const;
 
   static constexpr double farthest = 0x1p46;
@@ -78,6 +79,9 @@ class WideTree {
   };
   static constexpr std::uint32_t leaf_bit = 1U << 31U;
 
+  /// So many sizes of the mesh away binary32 tells triangles apart.
+  static constexpr double near_in_sizes = 16.0;
+
   /// Beyond it triangles are halved as they come: 31 times at most.
   static constexpr std::size_t deepest_by_cost = 24;
   /// Each level leaves seven of its children behind, at most.
@@ -85,10 +89,23 @@ class WideTree {
 
   class Builder;
   void build();
+  struct Candidates;
+  struct Measured;
   template <class Number>
   class Search;
-  void search_near(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const;
-  void search_far(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const;
+  static double slack(const std::array<double, 3>& place);
+  static double limit_of(double reach, double slack);
+  void search_near(const Point& point, std::optional<std::uint32_t> hint, Candidates& found) const;
+  void search_far(const Point& point, std::optional<std::uint32_t> hint, Candidates& found) const;
+  void bound_near(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const;
+  void bound_far(const Point& point, const Leaf& leaf, std::array<double, width>& lowers) const;
+  void measure(const Point& point, std::span<const std::uint32_t> places, std::span<Measured> found) const;
+  static double least_upper(std::span<const Measured> measured, std::size_t count);
+  void find(const Point& point, std::optional<std::uint32_t> hint, Nearest& found) const;
+  void find_in_crowd(const Point& point, double reach, Nearest& found) const;
+  void choose(const Point& point, std::span<const std::uint32_t> places, std::span<const Measured> measured,
+              double upper, Nearest& found) const;
+  [[nodiscard]] bool is_proven_farther(const Point& point, double reach, double upper, std::uint32_t place) const;
   /// Calls leaf(leaf) for those whose boxes meet this one, about the centre and scaled.
   template <class Visit>
   void visit(const std::array<float, 3>& lower, const std::array<float, 3>& upper, const Visit& leaf) const;
