@@ -160,7 +160,7 @@ TEST(ClosedMesh, AllThatMayBeNearestAreListedOrItIsSaid) {
 TEST(ClosedMesh, TheTriangleToBeginWithChangesNothing) {
   for (const Mesh& mesh : {star_mesh(3, 1), cube_mesh(4), tetrahedron_with_degenerate(), sphere_mesh(3)}) {
     const WideTree tree(triangles_of(mesh));
-    Places places(mesh, 9);
+    PlacesAboutMesh places(mesh, 9);
     Random random(9);
     for (int n = 0; n < 300; ++n) {
       const Point point = n == 0 ? Point{} : places.next();
@@ -185,7 +185,7 @@ TEST(ClosedMesh, NearTrianglesAreBoundedAndTheirSidesAreRight) {
   const std::vector<Triangle> triangles = triangles_of(mesh);
   const WideTree tree(triangles);
   const oracle::ExactMesh exact(triangles);
-  Places places(mesh, 10);
+  PlacesAboutMesh places(mesh, 10);
   for (int n = 0; n < 400; ++n) {
     Point point = places.next();
     const double factor = n % 4 == 0 ? std::ldexp(1.0, n % 30) : 1.0;
