@@ -59,7 +59,7 @@ class WideTree::Search {
   [[gnu::always_inline]] Search(const WideTree& tree, const Point& point) : tree_(tree) {
     const auto place = tree.scaled(point);
     for (std::size_t i = 0; i < 3; ++i) query_[i] = Vector{} + static_cast<Number>(place[i]);
-    slack_ = static_cast<Number>(tree.slack(place));
+    slack_ = static_cast<Number>(WideTree::slack(place));
   }
 
   [[gnu::always_inline]] void run(std::optional<std::uint32_t> hint, Candidates& found) {
@@ -91,12 +91,12 @@ class WideTree::Search {
     Vector box{};
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& [a, b, c] = std::array{seen.corner[0][i], seen.corner[1][i], seen.corner[2][i]};
-      const Vector outside = greater<Vector>(
+      const auto outside = greater<Vector>(
           greater<Vector>(lesser<Vector>(lesser<Vector>(a, b), c), -greater<Vector>(greater<Vector>(a, b), c)),
           Vector{});
       box += outside * outside;
     }
-    const Vector best = greater<Vector>(box, seen.lower);
+    const auto best = greater<Vector>(box, seen.lower);
     for (std::size_t lane = 0; lane < width; ++lane) lowers[lane] = best[lane];
   }
 
@@ -115,7 +115,7 @@ class WideTree::Search {
   [[gnu::always_inline]] void divide(const Node& node) {
     Vector square{};
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vector outside = greater<Vector>(
+      const auto outside = greater<Vector>(
           greater<Vector>(load<Number>(node.lower[i]) - query_[i], query_[i] - load<Number>(node.upper[i])), Vector{});
       square += outside * outside;
     }
@@ -138,7 +138,7 @@ class WideTree::Search {
     }
   }
 
-  [[gnu::always_inline]] Vector limit_lanes() const { return Vector{} + limit_; }
+  [[nodiscard, gnu::always_inline]] Vector limit_lanes() const { return Vector{} + limit_; }
 
   struct SeenLeaf {
     std::array<Space, 3> corner;  ///< less the query
@@ -146,9 +146,10 @@ class WideTree::Search {
     Vector lower;                 ///< squared
   };
 
-  [[gnu::always_inline]] SeenLeaf see(const Leaf& leaf) const {
+  [[nodiscard, gnu::always_inline]] SeenLeaf see(const Leaf& leaf) const {
     SeenLeaf seen;
-    Space ab, ac;
+    Space ab;
+    Space ac;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) seen.corner[k][i] = load<Number>(leaf.corner[k][i]) - query_[i];
       ab[i] = seen.corner[1][i] - seen.corner[0][i];
@@ -159,8 +160,7 @@ class WideTree::Search {
     Space n;
     for (std::size_t i = 0; i < 3; ++i) n[i] = a[i] + shares.b * ab[i] + shares.c * ac[i];
     seen.square = inner(n, n);
-    const Vector least =
-        greater<Vector>(lesser<Vector>(lesser<Vector>(inner(n, a), inner(n, b)), inner(n, c)), Vector{});
+    const auto least = greater<Vector>(lesser<Vector>(lesser<Vector>(inner(n, a), inner(n, b)), inner(n, c)), Vector{});
     seen.lower = seen.square >= Vector{} + Number(0x1p-80F) ? least * least / seen.square : Vector{};
     return seen;
   }
@@ -168,7 +168,8 @@ class WideTree::Search {
   [[gnu::always_inline]] void look_at(const Leaf& leaf, Candidates& found) {
     fetch(&tree_.triangles_[leaf.first], leaf.count * sizeof(Triangle));
     const SeenLeaf seen = see(leaf);
-    std::array<Number, width> squares, lowers;
+    std::array<Number, width> squares;
+    std::array<Number, width> lowers;
     std::memcpy(squares.data(), &seen.square, sizeof squares);
     std::memcpy(lowers.data(), &seen.lower, sizeof lowers);
     approach(*std::min_element(squares.begin(), squares.end()));
@@ -205,14 +206,14 @@ class WideTree::Search {
     found.size = 0;
   }
 
-  const WideTree& tree_;
   Space query_{};
+  const WideTree& tree_;
+  std::size_t size_ = 0;
   Number slack_;
   Number least_limit_ = 0;
   Number best_ = beyond_all;
   Number limit_ = beyond_all;
-  std::uint32_t hinted_ = 0;  ///< the leaf that was looked at before; 0 is the root
-  std::size_t size_ = 0;
+  std::uint32_t hinted_ = 0;                            ///< the leaf that was looked at before; 0 is the root
   std::array<Number, Candidates::most + width> lower_;  ///< squared, of candidates
   std::array<Open, most_open> open_;
 };

@@ -27,18 +27,18 @@ template <class Number, std::size_t count>
 struct LaneTypes;
 template <>
 struct LaneTypes<float, 8> {
-  typedef float Vector __attribute__((vector_size(32)));
-  typedef std::int32_t Mask __attribute__((vector_size(32)));
+  using Vector = float __attribute__((vector_size(32)));
+  using Mask = std::int32_t __attribute__((vector_size(32)));
 };
 template <>
 struct LaneTypes<double, 8> {
-  typedef double Vector __attribute__((vector_size(64)));
-  typedef std::int64_t Mask __attribute__((vector_size(64)));
+  using Vector = double __attribute__((vector_size(64)));
+  using Mask = std::int64_t __attribute__((vector_size(64)));
 };
 template <>
 struct LaneTypes<double, 4> {
-  typedef double Vector __attribute__((vector_size(32)));
-  typedef std::int64_t Mask __attribute__((vector_size(32)));
+  using Vector = double __attribute__((vector_size(32)));
+  using Mask = std::int64_t __attribute__((vector_size(32)));
 };
 template <class Number, std::size_t count>
 using Lanes = typename LaneTypes<Number, count>::Vector;
@@ -61,6 +61,18 @@ template <class Vector>
 template <class Vector>
 [[gnu::always_inline]] inline Vector lesser(const Vector& a, const Vector& b) {
   return a < b ? a : b;
+}
+
+template <class Vector>
+[[gnu::always_inline]] inline Vector magnitude_of(const Vector& x) {
+  return greater<Vector>(x, -x);
+}
+
+/// Into [0, 1]; 0 where it is no number.
+template <class Vector>
+[[gnu::always_inline]] inline Vector as_share(const Vector& x) {
+  const Vector zero{};
+  return lesser<Vector>(greater<Vector>(x, zero), zero + 1);
 }
 
 template <class Vector>
@@ -113,7 +125,7 @@ struct SeenTriangle {
       ab[i] = triangle[1][i] - triangle[0][i];
       ac[i] = triangle[2][i] - triangle[0][i];
       magnitude = greater<Number>(
-          magnitude, greater<Number>(a[i], -a[i]) + greater<Number>(ab[i], -ab[i]) + greater<Number>(ac[i], -ac[i]));
+          magnitude, magnitude_of<Number>(a[i]) + magnitude_of<Number>(ab[i]) + magnitude_of<Number>(ac[i]));
     }
   }
 };
@@ -149,7 +161,7 @@ struct BoundsOfDistance {
 template <class Number>
 [[gnu::always_inline]] inline Number lower_by(const SeenTriangle<Number>& seen, const std::array<Number, 3>& n,
                                               const Number& square, const Number& length) {
-  const Number least = lesser<Number>(lesser<Number>(inner(n, seen.a), inner(n, seen.b)), inner(n, seen.c));
+  const auto least = lesser<Number>(lesser<Number>(inner(n, seen.a), inner(n, seen.b)), inner(n, seen.c));
   const Number lower = least / length * (1.0 - 0x1p-50) - share_of_magnitude * seen.magnitude - underflow_of_length;
   return square >= Number{} + least_square ? greater<Number>(lower, Number{}) : Number{};
 }
@@ -185,22 +197,29 @@ template <class Number>
   for (std::size_t i = 0; i < 3; ++i) bc[i] = ac[i] - ab[i];
   const Number zero{};
   const Number one = zero + 1;
-  const Number d00 = inner(ab, ab), d01 = inner(ab, ac), d11 = inner(ac, ac);
-  const Number d20 = -inner(a, ab), d21 = -inner(a, ac);
+  const Number d00 = inner(ab, ab);
+  const Number d01 = inner(ab, ac);
+  const Number d11 = inner(ac, ac);
+  const Number d20 = -inner(a, ab);
+  const Number d21 = -inner(a, ac);
   const Number inverse = one / (d00 * d11 - d01 * d01);
   const Number v = (d11 * d20 - d01 * d21) * inverse;
   const Number w = (d00 * d21 - d01 * d20) * inverse;
   const auto inside = (v >= zero) & (w >= zero) & (v + w <= one);
-  const auto clamp = [&](const Number& x)
-                         [[gnu::always_inline]] { return lesser<Number>(greater<Number>(x, zero), one); };
-  const Number on_ab = clamp(d20 / d00), on_ac = clamp(d21 / d11), on_bc = clamp(-inner(b, bc) / inner(bc, bc));
-  std::array<Number, 3> to_ab, to_ac, to_bc;
+  const auto on_ab = as_share<Number>(d20 / d00);
+  const auto on_ac = as_share<Number>(d21 / d11);
+  const auto on_bc = as_share<Number>(-inner(b, bc) / inner(bc, bc));
+  std::array<Number, 3> to_ab;
+  std::array<Number, 3> to_ac;
+  std::array<Number, 3> to_bc;
   for (std::size_t i = 0; i < 3; ++i) {
     to_ab[i] = a[i] + on_ab * ab[i];
     to_ac[i] = a[i] + on_ac * ac[i];
     to_bc[i] = b[i] + on_bc * bc[i];
   }
-  const Number e1 = inner(to_ab, to_ab), e2 = inner(to_ac, to_ac), e3 = inner(to_bc, to_bc);
+  const Number e1 = inner(to_ab, to_ab);
+  const Number e2 = inner(to_ac, to_ac);
+  const Number e3 = inner(to_bc, to_bc);
   const auto second = e2 < e1;
   const auto third = e3 < (second ? e2 : e1);
   const Number side_b = third ? one - on_bc : (second ? zero : on_ab);
@@ -218,7 +237,6 @@ constexpr double underflow_of_volume = 0x1p-700;
 /// magnitudes, as differences, products and their difference round by u.
 template <class Number>
 [[gnu::always_inline]] inline Number proven_side(const SeenTriangle<Number>& seen) {
-  const auto size = [](const Number& x) [[gnu::always_inline]] { return greater<Number>(x, -x); };
   Number volume{};
   Number magnitude{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -227,7 +245,7 @@ template <class Number>
     const Number plus = seen.ab[j] * seen.ac[k];
     const Number less = seen.ab[k] * seen.ac[j];
     volume -= (plus - less) * seen.a[i];
-    magnitude += (size(plus) + size(less)) * size(seen.a[i]);
+    magnitude += (magnitude_of<Number>(plus) + magnitude_of<Number>(less)) * magnitude_of<Number>(seen.a[i]);
   }
   const Number error = rounding_of_volume * magnitude + underflow_of_volume;
   const Number zero{};

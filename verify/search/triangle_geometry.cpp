@@ -338,7 +338,8 @@ bool boxes_are_apart(const Triangle& first, const Triangle& second) {
 
 bool are_apart(const Triangle& first, const Triangle& second) {
   if (boxes_are_apart(first, second)) return true;
-  std::array<Point, 3> sides, other_sides;
+  std::array<Point, 3> sides;
+  std::array<Point, 3> other_sides;
   for (std::size_t k = 0; k < 3; ++k) {
     sides[k] = minus(first[(k + 1) % 3], first[k]);
     other_sides[k] = minus(second[(k + 1) % 3], second[k]);
@@ -367,7 +368,7 @@ bool meet_in_common_corners(const Triangle& first, const Corners& of_first, cons
   std::size_t shared = 0;  // the last common corner of the first triangle
   std::size_t alone = 0;   // the last that is not
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto place = std::ranges::find(of_second, of_first[k]);
+    const auto* const place = std::ranges::find(of_second, of_first[k]);
     in_second[k] = static_cast<std::size_t>(place - of_second.begin());
     if (place == of_second.end()) {
       alone = k;
