@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -172,6 +173,65 @@ TEST(MeshPairCertificate, ProvesThatOneHoldsTheOtherAndThatHollowsAreFree) {
     const Enclosure proven = PairChecker(shell, small).prove({}, {});
     EXPECT_GT(proven.lo, 0.6);
     EXPECT_LT(proven.hi, 0.76);
+  }
+}
+
+/// The same triangles, whose corners are named from another one on.
+Mesh named_from(Mesh mesh, std::size_t first) {
+  for (auto& triangle : mesh.triangles)
+    std::ranges::rotate(triangle, triangle.begin() + static_cast<std::ptrdiff_t>(first));
+  return mesh;
+}
+
+/// A tetrahedron of these corners.
+Mesh tetrahedron_of(const std::array<Point, 4>& corners) {
+  return {{corners.begin(), corners.end()}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+}
+
+struct TwoMeshes {
+  Mesh a;
+  Mesh b;
+};
+
+/// Each triangle of both, named from each of its corners on.
+std::vector<Enclosure> proven_of_all_names(const TwoMeshes& pair) {
+  std::vector<Enclosure> proven;
+  for (std::size_t of_a = 0; of_a < 3; ++of_a) {
+    for (std::size_t of_b = 0; of_b < 3; ++of_b) {
+      const Model a = model_of(named_from(pair.a, of_a));
+      const Model b = model_of(named_from(pair.b, of_b));
+      proven.push_back(PairChecker(a, b).prove({}, {}));
+      proven.push_back(PairChecker(b, a).prove({}, {}));
+    }
+  }
+  return proven;
+}
+
+/// The last corner of B comes through a face of A, whose normal is no proof then.
+TEST(MeshPairCertificate, CrossingTrianglesMeetWhicheverCornerIsNamedFirst) {
+  for (const double depth : {0x1p-40, 0.125, 1.5}) {
+    const TwoMeshes pair{
+        tetrahedron_of({Point{-9.0, -8.0, 0.0}, {9.0, -7.0, 0.0}, {0.5, 10.0, 0.0}, {0.0, 0.0, -7.0}}),
+        tetrahedron_of({Point{-2.0, -1.0, 3.0}, {2.0, -1.5, 4.0}, {0.5, 2.0, 5.0}, {0.25, 0.125, -depth}})};
+    for (const Enclosure& proven : proven_of_all_names(pair)) EXPECT_EQ(proven, (Enclosure{0.0, 0.0})) << depth;
+  }
+}
+
+/// Closer than 127 bits tell, but apart: the side of B passes beside that of A by 2^-201, or the corner of B ends
+/// 2^-200 before the face of A. All that can be proven is how far they are apart at most.
+TEST(MeshPairCertificate, WhatPassesCloselyDoesNotMeet) {
+  const TwoMeshes side_beside_side{
+      tetrahedron_of({Point{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {-1.0, -1.0, -1.0}}),
+      tetrahedron_of({Point{1.0, 0.25, -1.0}, {0x1p-200, 0.75, 1.0}, {4.0, 4.0, 0.0}, {3.0, 5.0, 0.25}})};
+  const TwoMeshes corner_before_face{
+      tetrahedron_of({Point{3.0, -1.0, -2.0}, {0.0, 2.0, -2.0}, {0.0, -1.0, 1.0}, {-4.0, -5.0, -6.0}}),
+      tetrahedron_of({Point{1.0, 0x1p-200, -1.0}, {7.0, 5.0, 4.0}, {6.0, 6.0, 4.0}, {6.0, 5.0, 5.0}})};
+  for (const TwoMeshes& pair : {side_beside_side, corner_before_face}) {
+    for (const Enclosure& proven : proven_of_all_names(pair)) {
+      EXPECT_LT(proven.lo, 0x1p-199);
+      EXPECT_GT(proven.hi, 0.0);
+      EXPECT_LT(proven.hi, 0x1p-50);
+    }
   }
 }
 
