@@ -217,6 +217,20 @@ TEST(MeshPairCertificate, CrossingTrianglesMeetWhicheverCornerIsNamedFirst) {
   }
 }
 
+/// A triangle and its opposite: a closed mesh without an inside.
+Mesh sheet_of(const Triangle& corners) {
+  return {{corners.begin(), corners.end()}, {{0, 1, 2}, {1, 0, 2}}};
+}
+
+/// A side of B comes through A beside a side of A: without their last corners the way between the sides parts them.
+TEST(MeshPairCertificate, EveryCornerCountsWhereSheetsCross) {
+  for (const double beside : {0x1p-40, 0x1p-10, 0.5}) {
+    const TwoMeshes pair{sheet_of({Point{0.0, 0.0, 0.0}, {4.0, 0.0, 0.0}, {2.0, 4.0, 0.0}}),
+                         sheet_of({Point{2.0, beside, -1.0}, {2.0, beside, 1.0}, {2.25, 3.0, 0.5}})};
+    for (const Enclosure& proven : proven_of_all_names(pair)) EXPECT_EQ(proven, (Enclosure{0.0, 0.0})) << beside;
+  }
+}
+
 /// Closer than 127 bits tell, but apart: the side of B passes beside that of A by 2^-201, or the corner of B ends
 /// 2^-200 before the face of A. All that can be proven is how far they are apart at most.
 TEST(MeshPairCertificate, WhatPassesCloselyDoesNotMeet) {
@@ -226,9 +240,12 @@ TEST(MeshPairCertificate, WhatPassesCloselyDoesNotMeet) {
   const TwoMeshes corner_before_face{
       tetrahedron_of({Point{3.0, -1.0, -2.0}, {0.0, 2.0, -2.0}, {0.0, -1.0, 1.0}, {-4.0, -5.0, -6.0}}),
       tetrahedron_of({Point{1.0, 0x1p-200, -1.0}, {7.0, 5.0, 4.0}, {6.0, 6.0, 4.0}, {6.0, 5.0, 5.0}})};
-  for (const TwoMeshes& pair : {side_beside_side, corner_before_face}) {
+  const TwoMeshes side_beside_tiny_face{
+      tetrahedron_of({Point{0.0, 0.0, 0.0}, {0x1p-200, 0.0, 0.0}, {0.0, 0x1p-200, 0.0}, {0.0, 0.0, -1.0}}),
+      tetrahedron_of({Point{1.0, 0.0, -1.0}, {-1.0, 0x1p-190, 1.0}, {0.0, 3.0, 1.0}, {0.0, 3.0, -1.0}})};
+  for (const TwoMeshes& pair : {side_beside_side, corner_before_face, side_beside_tiny_face}) {
     for (const Enclosure& proven : proven_of_all_names(pair)) {
-      EXPECT_LT(proven.lo, 0x1p-199);
+      EXPECT_LT(proven.lo, 0x1p-190);
       EXPECT_GT(proven.hi, 0.0);
       EXPECT_LT(proven.hi, 0x1p-50);
     }
