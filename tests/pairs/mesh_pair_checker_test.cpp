@@ -185,7 +185,7 @@ Mesh named_from(Mesh mesh, std::size_t first) {
 
 /// A tetrahedron of these corners.
 Mesh tetrahedron_of(const std::array<Point, 4>& corners) {
-  return {{corners.begin(), corners.end()}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+  return {{corners.begin(), corners.end()}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }
 
 struct TwoMeshes {
@@ -214,6 +214,54 @@ TEST(MeshPairCertificate, CrossingTrianglesMeetWhicheverCornerIsNamedFirst) {
         tetrahedron_of({Point{-9.0, -8.0, 0.0}, {9.0, -7.0, 0.0}, {0.5, 10.0, 0.0}, {0.0, 0.0, -7.0}}),
         tetrahedron_of({Point{-2.0, -1.0, 3.0}, {2.0, -1.5, 4.0}, {0.5, 2.0, 5.0}, {0.25, 0.125, -depth}})};
     for (const Enclosure& proven : proven_of_all_names(pair)) EXPECT_EQ(proven, (Enclosure{0.0, 0.0})) << depth;
+  }
+}
+
+/// The tip of a needle is the nearest, though the middle of the needle is not: a small solid beside it is nearer.
+TEST(MeshPairCertificate, FindsTheTipOfANeedleBesideASmallSolid) {
+  const Mesh floor = tetrahedron_of({Point{-9.0, -8.0, 0.0}, {9.0, -7.0, 0.0}, {0.5, 10.0, 0.0}, {0.0, 0.0, -7.0}});
+  const Mesh needle = tetrahedron_of({Point{0.5, 0.0, 64.0}, {-0.5, 0.5, 64.0}, {-0.5, -0.5, 64.0}, {0.0, 0.0, 1.0}});
+  const Mesh small = tetrahedron_of({Point{1.0, 0.0, 6.0}, {2.0, 1.0, 6.0}, {2.0, -1.0, 6.0}, {2.0, 0.0, 5.0}});
+  const Model box{"", {{"box", {{32.0, 32.0, 4.0}, {0.1, 0.1}}, {.translation = {0.0, 0.0, -4.0}}}}};
+  for (const Enclosure& proven : proven_of_all_names({floor, join(needle, small)})) {
+    EXPECT_LE(proven.lo, 1.0);
+    EXPECT_GE(proven.hi, 1.0);
+    EXPECT_LT(proven.width(), 1e-15);
+  }
+  for (std::size_t first = 0; first < 3; ++first) {
+    const Enclosure proven = PairChecker(box, model_of(named_from(join(needle, small), first))).prove({}, {});
+    EXPECT_LE(proven.lo, 1.0) << "the box of exponents 0.1 has its top at z = 0";
+    EXPECT_GE(proven.hi, 1.0);
+    EXPECT_LT(proven.width(), 1e-12);
+  }
+}
+
+/// Where binary64 numbers lie 2 and 4 apart, middles of triangles are rounded down by more than small ones measure:
+/// away from a wall above them, towards one below.
+TEST(MeshPairCertificate, MiddlesOfTrianglesAreRoundedFarFromTheOrigin) {
+  const Mesh large = tetrahedron_of({Point{1.0, 0.0, 0.0}, {-2.0, 2.0, 0.0}, {-2.0, -2.0, 1.0}, {-2.0, -1.0, -2.0}});
+  const auto small = [](double tip, double base) {
+    return tetrahedron_of({Point{tip, 5.0, 5.0}, {base, 5.125, 5.0}, {base, 5.0, 5.125}, {base, 4.9, 4.9}});
+  };
+  const auto wall = [](double face, double apex) {
+    return tetrahedron_of({Point{face, -64.0, -64.0}, {face, 64.0, -64.0}, {face, 0.0, 64.0}, {apex, 0.0, 0.0}});
+  };
+  struct Case {
+    double far;
+    Mesh wall;
+    Mesh beside;
+    double gap;
+  };
+  for (const auto& [far, solid, beside, gap] :
+       {Case{0x1p53, wall(0x1p53 + 4.0, 0x1p53 + 64.0), join(large, small(2.0, 1.875)), 2.0},
+        Case{0x1p54, wall(0x1p54 - 8.0, 0x1p54 - 64.0), small(-3.0, -2.875), 5.0}}) {
+    const Model a = model_of(solid);
+    const Model b = model_of(beside, {.translation = {far, 0.0, 0.0}});
+    for (const Enclosure& proven : {PairChecker(a, b).prove({}, {}), PairChecker(b, a).prove({}, {})}) {
+      EXPECT_LE(proven.lo, gap);
+      EXPECT_GE(proven.hi, gap);
+      EXPECT_LT(proven.width(), 1e-14);
+    }
   }
 }
 
