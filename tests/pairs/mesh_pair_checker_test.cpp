@@ -236,6 +236,28 @@ TEST(MeshPairCertificate, FindsTheTipOfANeedleBesideASmallSolid) {
   }
 }
 
+/// The corner of a mesh just before a ball: neither a corner nor a common point that lies outside by 2^-11 proves more.
+TEST(MeshPairCertificate, CornersAndCommonPointsJustOutsideOfABallAreOutside) {
+  const Model ball{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {.translation = {0.0, 0.0, -1.0}}}}};
+  const Point tip{0.0, 0.0, 0x1p-11};
+  const Model mesh = model_of(tetrahedron_of({Point{3.0, 0.0, 4.0}, {-3.0, 3.0, 4.0}, {-3.0, -3.0, 4.0}, tip}));
+  const PairCertificate certificate{.common = tip};
+  for (const PairChecker& checker : {PairChecker(ball, mesh), PairChecker(mesh, ball)}) {
+    const Finding finding = checker({}, {0.0, 0.0}, certificate);
+    EXPECT_NE(finding.verdict, Verdict::proved);
+    EXPECT_LE(finding.proven.lo, 0x1p-11);
+    EXPECT_GE(finding.proven.hi, 0x1p-11);
+  }
+}
+
+/// A mesh that touches neither the origin nor the boundary of the ball that holds it.
+TEST(MeshPairCertificate, MeetsTheBallThatHoldsIt) {
+  const Model ball{"", {{"ball", {{4.0, 4.0, 4.0}, {1.0, 1.0}}, {}}}};
+  const Model mesh = model_of(scaled(sphere_mesh(1), 0.25), {.translation = {2.0, 0.0, 0.0}});
+  EXPECT_EQ(PairChecker(ball, mesh).prove({}, {}), (Enclosure{0.0, 0.0}));
+  EXPECT_EQ(PairChecker(mesh, ball).prove({}, {}), (Enclosure{0.0, 0.0}));
+}
+
 /// Where binary64 numbers lie 2 and 4 apart, middles of triangles are rounded down by more than small ones measure:
 /// away from a wall above them, towards one below.
 TEST(MeshPairCertificate, MiddlesOfTrianglesAreRoundedFarFromTheOrigin) {
@@ -346,6 +368,24 @@ TEST(MeshPathCertificate, ProvesTheWholeWayAndNoFalseClaim) {
     PathCertificate whole = certified.certificate;
     whole.parts = {{1.0, {}}};
     EXPECT_LE(checker.prove(whole, {}).smallest.lo, found.smallest.hi) << "by the longest way of any point";
+  }
+}
+
+/// A rod turns about its middle until its end is close: the ends go farther than any other point.
+TEST(MeshPathCertificate, EndsOfATurningRodGoFarthest) {
+  Mesh rod = sphere_mesh(1);
+  for (Point& vertex : rod.vertices) vertex = {4.0 * vertex[0], 0.25 * vertex[1], 0.25 * vertex[2]};
+  const std::vector<Pose> turn{{}, {.translation = {}, .quaternion = {0.8, 0.0, 0.0, 0.6}}};
+  const Pose before_end{.translation = {1.33, 4.56, 0.0}};  // in the direction that the end reaches
+  const Model mesh_rod = model_of(rod);
+  const Model solid_rod{"", {{"rod", {{4.0, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
+  for (const Model& b : {mesh_rod, solid_rod}) {
+    const Model a = model_of(scaled(sphere_mesh(1), 0.5), before_end);
+    const PathDistance found = distance_along(turn, a, b, {.tolerance = 0.01});
+    ASSERT_LT(found.smallest.hi, 0.5);
+    PathCertificate whole;
+    whole.parts = {{1.0, {}}};
+    EXPECT_LE(PathChecker(a, b, turn).prove(whole, {}).smallest.lo, found.smallest.hi);
   }
 }
 

@@ -594,6 +594,30 @@ void expect_refused(const Act& act, const char* text) {
   EXPECT_THAT(act, ::testing::ThrowsMessage<Error>(::testing::HasSubstr(text))) << text;
 }
 
+TEST(MeshSolid, EverySphereHoldsItsMesh) {
+  for (const Mesh& mesh : {tetrahedron(), sphere_mesh(1), torus_mesh(1.5, 0.25, 16, 8)}) {
+    const EnclosingSphere sphere = MeshSolid(mesh_primitive("mesh", mesh)).sphere();
+    for (const Point& vertex : mesh.vertices)
+      EXPECT_LE(length<Real>(PreciseVector(precise(vertex) - sphere.centre)).upper(), sphere.radius.upper());
+  }
+}
+
+/// The mesh is 0.75 from a binary64 number where those lie 1 apart: whichever it is moved to, the enclosure holds.
+TEST(SeenTriangles, CountHowFarTheMoveIsRounded) {
+  Mesh mesh = tetrahedron();
+  for (Point& vertex : mesh.vertices) vertex = {0.75, vertex[1], vertex[2]};
+  const SeenTriangles seen(mesh, {.translation = {0x1p53, 0.0, 0.0}});
+  const Point& nearest = mesh.vertices.front();
+  for (const double aside : {-10.0, 20.0}) {
+    const Enclosure proven = seen.distance({-0x1p53 + aside, nearest[1], nearest[2]});
+    EXPECT_LE(proven.lo, std::abs(aside - 0.75)) << aside;
+    EXPECT_GE(proven.hi, std::abs(aside - 0.75)) << aside;
+    EXPECT_LE(proven.width(), 64.0) << aside;
+  }
+  for (Point& vertex : mesh.vertices) vertex[0] = -1.7e308;
+  EXPECT_EQ(SeenTriangles(mesh, {.translation = {1.7e308, 0.0, 0.0}}).distance({}), (Enclosure{0.0, infinity}));
+}
+
 TEST(MeshSolid, WhatIsNotCheckedIsRefused) {
   const Model cube = model_of(box({0, 0, 0}, {1, 1, 1}));
   Mesh open = tetrahedron();
