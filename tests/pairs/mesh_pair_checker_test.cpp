@@ -179,7 +179,7 @@ TEST(MeshPairCertificate, ProvesThatOneHoldsTheOtherAndThatHollowsAreFree) {
 /// The same triangles, whose corners are named from another one on.
 Mesh named_from(Mesh mesh, std::size_t first) {
   for (auto& triangle : mesh.triangles)
-    std::ranges::rotate(triangle, triangle.begin() + static_cast<std::ptrdiff_t>(first));
+    std::rotate(triangle.begin(), triangle.begin() + static_cast<std::ptrdiff_t>(first), triangle.end());
   return mesh;
 }
 

@@ -219,7 +219,8 @@ TEST_P(AboutMesh, DistanceIsExactToRounding) {
   for (std::size_t n = 0; n < points_of_each() && !HasFailure(); ++n) {
     const Point point = places.next();
     const Truth truth = truth_at(exact, point);
-    ++sides[static_cast<std::size_t>(truth.side + 1)];
+    const int place = truth.side + 1;
+    ++sides[static_cast<std::size_t>(place)];
     const Enclosure found = solid.signed_distance(point);
     EXPECT_TRUE(truth.is_in(found)) << ::testing::PrintToString(point) << found.lo << " " << found.hi;
     const double size = std::max(std::abs(found.lo), std::abs(found.hi));
@@ -428,7 +429,8 @@ Point nearest_of_cells(const Point& x, bool inside) {
     planes[i] = {-100, 100};
     for (const auto& [lower, upper] : boxes()) planes[i].insert(planes[i].end(), {lower[i], upper[i]});
     std::ranges::sort(planes[i]);
-    const auto [first, last] = std::ranges::unique(planes[i]);
+    const auto first = std::unique(planes[i].begin(), planes[i].end());
+    const auto last = planes[i].end();
     planes[i].erase(first, last);
   }
   Point nearest{1e9, 1e9, 1e9};
