@@ -80,8 +80,8 @@ class ExactAnswers {
     }
   }
 
-  /// Of the triangles that meet a cube about the point, which holds a ball as large as the distance: a closest point is
-  /// off by some units in the last place of the coordinates, which are 1e-16 of them; the margin is 1e-9.
+  /// By the triangles that meet a cube about the point. The cube holds a ball as large as the distance. A closest point
+  /// is off by some units in the last place of the coordinates, which are 1e-16 of them; the margin is 1e-9.
   [[nodiscard]] oracle::Fraction squared_distance(const Point& point) const {
     const double about = std::sqrt(tree_.tree().squared_distance(Tree::at(point)));
     const double half = about * (1.0 + 1e-9) + 1e-9 * largest_;
@@ -95,7 +95,7 @@ class ExactAnswers {
     return oracle::ExactMesh(near).squared_distance(point);
   }
 
-  /// Of crossings of a segment to a point beyond the box. All signs are exact. Precondition: off the surface.
+  /// By the crossings of a segment to a point beyond the box. All signs are exact. Precondition: off the surface.
   [[nodiscard]] int winding_number(const Point& point) {
     for (int attempt = 0; attempt < 100; ++attempt) {
       if (const std::optional<int> found = crossings(point, beyond(point))) return *found;

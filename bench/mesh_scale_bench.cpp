@@ -84,7 +84,7 @@ std::string row_name(std::string_view format, std::string_view specimen) {
   return fmt::format("verisq/map_to_{}/{}", format, specimen);
 }
 
-/// What is asked about a mesh as a solid.
+/// The points that a map of a mesh as a solid is asked for.
 enum class Asked { one_point, near, box };
 constexpr std::array all_asked{Asked::one_point, Asked::near, Asked::box};
 

@@ -13,6 +13,7 @@
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/grown_octree.hpp"
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/search/set_tree.hpp"
@@ -20,18 +21,6 @@
 
 namespace verisq::testing {
 namespace {
-
-Mesh turned(Mesh mesh) {
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  return mesh;
-}
-
-Mesh scaled(Mesh mesh, double factor) {
-  for (Point& vertex : mesh.vertices) {
-    for (double& x : vertex) x *= factor;
-  }
-  return mesh;
-}
 
 /// By the divergence theorem: a sixth of the sum of determinants.
 Enclosure exact_volume(const Mesh& mesh) {
@@ -74,7 +63,7 @@ TEST(MeshOctree, HoldsTheExactVolume) {
 /// A hollow ball as one mesh, and as a difference of two.
 TEST(MeshOctree, OfDifferencesOfMeshes) {
   const Mesh outer = sphere_mesh(3);
-  const Mesh inner = scaled(outer, 0.75);
+  const Mesh inner = moved(outer, 0.75);
   const Enclosure of_outer = exact_volume(outer);
   const Enclosure of_inner = exact_volume(inner);
   const Enclosure volume{of_outer.lo - of_inner.hi - 1e-12, of_outer.hi - of_inner.lo + 1e-12};

@@ -13,6 +13,7 @@
 #include <verisq/model.hpp>
 #include <verisq/path.hpp>
 
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -21,17 +22,13 @@ namespace verisq {
 namespace {
 
 using testing::join;
+using testing::moved;
 using testing::Random;
 using testing::sphere_mesh;
+using testing::turned;
 
 std::size_t count() {
   return oracle::requested_count("VERISQ_MESH_PAIRS", 60);
-}
-
-Mesh scaled(Mesh mesh, double factor) {
-  for (Point& vertex : mesh.vertices)
-    for (double& x : vertex) x *= factor;
-  return mesh;
 }
 
 /// Multiples of 1/64, so that moves and mirrors are exact.
@@ -58,8 +55,7 @@ Mesh below_origin(Random& random, int touching) {
 /// The same above {z = gap}, whose faces are turned.
 Mesh mirrored(Mesh mesh, double gap) {
   for (Point& vertex : mesh.vertices) vertex[2] = gap - vertex[2];
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  return mesh;
+  return turned(std::move(mesh));
 }
 
 Model model_of(Mesh mesh, const Pose& pose = {}) {
@@ -162,14 +158,12 @@ TEST(MeshPairCertificate, ProvesWhatTheSearchFinds) {
 TEST(MeshPairCertificate, ProvesThatOneHoldsTheOtherAndThatHollowsAreFree) {
   const Model large = model_of(sphere_mesh(2));
   const Model ball{"", {{"ball", {{0.25, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
-  for (const Model& small : {model_of(scaled(sphere_mesh(1), 0.25)), ball}) {
+  for (const Model& small : {model_of(moved(sphere_mesh(1), 0.25)), ball}) {
     EXPECT_EQ(PairChecker(large, small).prove({}, {}), (Enclosure{0.0, 0.0}));
     EXPECT_EQ(PairChecker(small, large).prove({}, {}), (Enclosure{0.0, 0.0}));
   }
-  Mesh inner = sphere_mesh(2);
-  for (auto& triangle : inner.triangles) std::swap(triangle[1], triangle[2]);
-  const Model shell = model_of(join(scaled(sphere_mesh(2), 2.0), inner));
-  for (const Model& small : {model_of(scaled(sphere_mesh(1), 0.25)), ball}) {
+  const Model shell = model_of(join(moved(sphere_mesh(2), 2.0), turned(sphere_mesh(2))));
+  for (const Model& small : {model_of(moved(sphere_mesh(1), 0.25)), ball}) {
     const Enclosure proven = PairChecker(shell, small).prove({}, {});
     EXPECT_GT(proven.lo, 0.6);
     EXPECT_LT(proven.hi, 0.76);
@@ -253,7 +247,7 @@ TEST(MeshPairCertificate, CornersAndCommonPointsJustOutsideOfABallAreOutside) {
 /// A mesh that touches neither the origin nor the boundary of the ball that holds it.
 TEST(MeshPairCertificate, MeetsTheBallThatHoldsIt) {
   const Model ball{"", {{"ball", {{4.0, 4.0, 4.0}, {1.0, 1.0}}, {}}}};
-  const Model mesh = model_of(scaled(sphere_mesh(1), 0.25), {.translation = {2.0, 0.0, 0.0}});
+  const Model mesh = model_of(moved(sphere_mesh(1), 0.25), {.translation = {2.0, 0.0, 0.0}});
   EXPECT_EQ(PairChecker(ball, mesh).prove({}, {}), (Enclosure{0.0, 0.0}));
   EXPECT_EQ(PairChecker(mesh, ball).prove({}, {}), (Enclosure{0.0, 0.0}));
 }
@@ -302,7 +296,8 @@ TEST(MeshPairCertificate, EveryCornerCountsWhereSheetsCross) {
 }
 
 /// Closer than 127 bits tell, but apart: the side of B passes beside that of A by 2^-201, or the corner of B ends
-/// 2^-200 before the face of A. All that can be proven is how far they are apart at most.
+/// 2^-200 before the face of A, or the side of B passes by a face of size 2^-200. An upper end is all that can be
+/// proven.
 TEST(MeshPairCertificate, WhatPassesCloselyDoesNotMeet) {
   const TwoMeshes side_beside_side{
       tetrahedron_of({Point{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {-1.0, -1.0, -1.0}}),
@@ -348,7 +343,7 @@ TEST(MeshPairCertificate, RefusesWhatItCannotProve) {
 
 /// Between two poses the lower end is that of the whole way.
 TEST(MeshPathCertificate, ProvesTheWholeWayAndNoFalseClaim) {
-  const Model a = model_of(scaled(sphere_mesh(1), 0.5));
+  const Model a = model_of(moved(sphere_mesh(1), 0.5));
   const Model box{"", {{"box", {{0.5, 0.5, 0.5}, {0.1, 0.1}}, {}}}};
   const std::vector<Pose> beside{{.translation = {3.0, 2.0, 0.25}},
                                  {.translation = {-3.0, 2.0, 0.25}, .quaternion = {0.8, 0.0, 0.0, 0.6}}};
@@ -380,7 +375,7 @@ TEST(MeshPathCertificate, EndsOfATurningRodGoFarthest) {
   const Model mesh_rod = model_of(rod);
   const Model solid_rod{"", {{"rod", {{4.0, 0.25, 0.25}, {1.0, 1.0}}, {}}}};
   for (const Model& b : {mesh_rod, solid_rod}) {
-    const Model a = model_of(scaled(sphere_mesh(1), 0.5), before_end);
+    const Model a = model_of(moved(sphere_mesh(1), 0.5), before_end);
     const PathDistance found = distance_along(turn, a, b, {.tolerance = 0.01});
     ASSERT_LT(found.smallest.hi, 0.5);
     PathCertificate whole;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -27,36 +28,14 @@ namespace verisq::verify {
 namespace {
 
 using testing::join;
+using testing::moved;
 using testing::Random;
 using testing::sphere_mesh;
+using testing::star_mesh;
+using testing::stretched;
 using testing::tetrahedron;
 using testing::torus_mesh;
-
-Mesh mapped(Mesh mesh, const Point& scale, const Point& by) {
-  for (Point& vertex : mesh.vertices) {
-    for (std::size_t i = 0; i < 3; ++i) vertex[i] = scale[i] * vertex[i] + by[i];
-  }
-  return mesh;
-}
-
-Mesh scaled(Mesh mesh, double scale, const Point& by = {}) {
-  return mapped(std::move(mesh), {scale, scale, scale}, by);
-}
-
-Mesh turned(Mesh mesh) {
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  return mesh;
-}
-
-Mesh star(int rounds, unsigned seed) {
-  Mesh mesh = sphere_mesh(rounds);
-  Random random(seed);
-  for (Point& vertex : mesh.vertices) {
-    const double radius = random.uniform(0.3, 1.7);
-    for (double& x : vertex) x *= radius;
-  }
-  return mesh;
-}
+using testing::turned;
 
 /// Eight vertices: the bits of their index tell which end of each coordinate.
 Mesh box(const Point& lower, const Point& upper) {
@@ -116,16 +95,16 @@ std::vector<Scene> scenes() {
   const Mesh sphere = sphere_mesh(1);
   return {
       {"cube", box({0, 0, 0}, {1, 1, 1})},
-      {"star", star(2, 7)},
+      {"star", star_mesh(2, 7)},
       {"inward_torus", turned(torus_mesh(2.0, 0.7, 12, 8))},
-      {"nested_alike", join(sphere, scaled(sphere, 0.5))},
-      {"nested_thrice", join(join(scaled(sphere, 2.0), turned(sphere)), scaled(sphere, 0.5))},
-      {"opposed_duplicates", join(join(sphere, turned(sphere)), scaled(tetrahedron(), 0.5, {2, 0, 0}))},
-      {"twice", join(star(1, 9), star(1, 9))},
+      {"nested_alike", join(sphere, moved(sphere, 0.5))},
+      {"nested_thrice", join(join(moved(sphere, 2.0), turned(sphere)), moved(sphere, 0.5))},
+      {"opposed_duplicates", join(join(sphere, turned(sphere)), moved(tetrahedron(), 0.5, {2, 0, 0}))},
+      {"twice", join(star_mesh(1, 9), star_mesh(1, 9))},
       {"crossing_boxes", join(box({0, 0, 0}, {2, 2, 2}), box({1, 1, 1}, {3, 3, 3}))},
       {"touching_boxes", join(box({0, 0, 0}, {1, 1, 1}), box({1, 0, 0}, {2, 1, 1}))},
-      {"needles", mapped(torus_mesh(2.0, 0.7, 20, 3), {1.0, 1e-6, 1e-3}, {})},
-      {"far_away", scaled(star(1, 2), 1e-3, {1e9, -1e9, 1e9})},
+      {"needles", stretched(torus_mesh(2.0, 0.7, 20, 3), {1.0, 1e-6, 1e-3})},
+      {"far_away", moved(star_mesh(1, 2), 1e-3, {1e9, -1e9, 1e9})},
       {"degenerate", with_degenerate()},
       {"folded", join(folded(), tetrahedron())},
       {"fins", with_fins()},
@@ -312,7 +291,7 @@ TEST(MeshSolid, PosesAreExactToRounding) {
   for (const WholeRotation& rotation : {WholeRotation{{1, 2, 2, 4}}, WholeRotation{{3, 1, 0, 0}},
                                         WholeRotation{{1, 1, 0, 0}}, WholeRotation{{1, -1, 1, 1}}}) {
     const double n = rotation.n();
-    for (Mesh mesh : {scaled(box({-1, -1, -1}, {1, 1, 1}), n), star(1, 4), scaled(with_fins(), n)}) {
+    for (Mesh mesh : {moved(box({-1, -1, -1}, {1, 1, 1}), n), star_mesh(1, 4), moved(with_fins(), n)}) {
       for (Point& vertex : mesh.vertices) vertex = rounded(vertex);
       Mesh larger = mesh;
       for (Point& vertex : larger.vertices) vertex = rotation.times_n(vertex);
@@ -581,7 +560,7 @@ TEST(MeshSolid, PointsOfARadiusAreAllWithinTheClaim) {
 
 TEST(MeshSolid, SizesAtTheEndsOfBinary64AreNeverWrong) {
   for (const double scale : {0x1p-1060, 0x1p-500, 0x1p500, 0x1p1020}) {
-    const MeshSolid solid(mesh_primitive("", scaled(box({0, 0, 0}, {1, 1, 1}), scale)));
+    const MeshSolid solid(mesh_primitive("", moved(box({0, 0, 0}, {1, 1, 1}), scale)));
     EXPECT_EQ(solid.signed_distance({2 * scale, scale / 2, scale / 2}), (Enclosure{scale, scale}));
     EXPECT_EQ(solid.signed_distance({scale / 4, scale / 2, scale / 2}), (Enclosure{-scale / 4, -scale / 4}));
     EXPECT_EQ(solid.signed_distance({scale, scale / 2, scale / 2}), (Enclosure{0, 0}));

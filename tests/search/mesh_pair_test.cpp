@@ -334,7 +334,7 @@ Mesh tetrahedron_of(const std::array<Point, 4>& corners) {
   return mesh;
 }
 
-/// Of long triangles the tip is nearest, the middle is far; a smaller part of the mesh is hardly farther.
+/// The tip of long triangles is nearest, their middle is far; a smaller part of the mesh is hardly farther.
 TEST(MeshPairDistance, FindsTipsOfLongTriangles) {
   const Mesh needle = tetrahedron_of({{{1.5, 0, 0}, {41, -1, -1}, {41, 1, -1}, {41, 0, 1}}});
   const Mesh small = tetrahedron_of({{{-1.625, 0, 0}, {-3, 1, -1}, {-3, -1, -1}, {-3, 0, 1}}});
@@ -404,8 +404,10 @@ TEST(MeshPairDistance, HoldsWhatAPoseRounds) {
   for (int n = 0; n < 20; ++n) {
     const double angle = random.uniform(0.2, 1.2);  // of the quaternion: half of the turn about z
     const Pose pose{{}, {std::cos(angle), 0.0, 0.0, std::sin(angle)}};
-    const long double w = pose.quaternion[0], z = pose.quaternion[3];
-    const long double c = (w * w - z * z) / (w * w + z * z), s = 2 * w * z / (w * w + z * z);
+    const long double w = pose.quaternion[0];
+    const long double z = pose.quaternion[3];
+    const long double c = (w * w - z * z) / (w * w + z * z);
+    const long double s = 2 * w * z / (w * w + z * z);
     const Point corner{0x1p30 + random.uniform(0, 1), 0x1p28 + random.uniform(0, 1), 0.0};
     const Point ahead{static_cast<double>(c), static_cast<double>(-s), 0.0};  // is turned to x
     const Point aside{static_cast<double>(s), static_cast<double>(c), 0.0};
@@ -422,7 +424,7 @@ TEST(MeshPairDistance, HoldsWhatAPoseRounds) {
     for (const Model& other : {Model{"", {mesh_primitive("wall", wall)}}, ball}) {
       const Model turned{"", {mesh_primitive("tip", tip)}};
       const Enclosure found = MeshPairDistance(other, turned).searched(pose, {.tolerance = 0.0}).distance;
-      // Of the ball: y is off by as much as 2^-23, which adds nothing to speak of beside 1.
+      // The ball: y is off by as much as 2^-23, which adds nothing to speak of beside 1.
       EXPECT_LE(found.lo, x - face + error) << n;
       EXPECT_GE(found.hi, x - face - error) << n;
     }

@@ -148,7 +148,7 @@ TEST(MeshUnion, IsAsDeepAsItsDeepestPart) {
   EXPECT_EQ(solids.closest_point({9.0, 3.0, 0.5})->primitive, 2U);
 }
 
-/// Of touching solids in poses that round, a common point may lie outside of each, as far as is known; it is deep.
+/// A common point of touching solids may lie outside of each, as far as is known, where poses round. It is deep.
 TEST(MeshUnion, CoversTheCommonFaceOfPosedSolids) {
   const MeshUnion solids({"",
                           {mesh_primitive("left", cube(), {.translation = {-1.0, 0.0, 0.0}}),
@@ -157,7 +157,7 @@ TEST(MeshUnion, CoversTheCommonFaceOfPosedSolids) {
   EXPECT_LE(found.distance.lo, -0.75);
 }
 
-/// What is called a way out is proven to be outside, in any place.
+/// A point that is called a way out is proven to be outside, in any place.
 TEST(MeshUnion, WaysOutLieOutside) {
   Random random(6);
   for (int n = 0; n < 20; ++n) {

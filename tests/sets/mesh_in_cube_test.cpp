@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/exact_mesh.hpp"
@@ -24,22 +25,13 @@ namespace verisq::verify {
 namespace {
 
 using testing::join;
+using testing::moved;
 using testing::Random;
 using testing::sphere_mesh;
+using testing::star_mesh;
 using testing::tetrahedron;
 using testing::torus_mesh;
-
-Mesh moved(Mesh mesh, double scale, const Point& by) {
-  for (Point& vertex : mesh.vertices) {
-    for (std::size_t i = 0; i < 3; ++i) vertex[i] = scale * vertex[i] + by[i];
-  }
-  return mesh;
-}
-
-Mesh turned(Mesh mesh) {
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  return mesh;
-}
+using testing::turned;
 
 /// |x_i| <= half_i.
 Mesh box_mesh(const Point& half) {
@@ -54,17 +46,6 @@ Mesh box_mesh(const Point& half) {
   return mesh;
 }
 
-/// Sharp corners, in and out.
-Mesh star_mesh() {
-  Mesh mesh = sphere_mesh(1);
-  Random random(5);
-  for (Point& vertex : mesh.vertices) {
-    const double radius = random.uniform(0.3, 1.7);
-    for (double& x : vertex) x *= radius;
-  }
-  return mesh;
-}
-
 struct NamedMesh {
   std::string name;
   Mesh mesh;
@@ -74,7 +55,7 @@ std::vector<NamedMesh> meshes() {
   return {{"tetrahedron", tetrahedron()},
           {"turned inward", turned(box_mesh({1.0, 0.5, 0.25}))},
           {"torus", torus_mesh(1.0, 0.4, 8, 5)},
-          {"star", star_mesh()},
+          {"star", star_mesh(1, 5)},
           {"hollow", join(sphere_mesh(1), turned(moved(sphere_mesh(1), 0.75, {})))},
           {"nested alike", join(sphere_mesh(1), moved(sphere_mesh(1), 0.5, {}))},
           {"crossing", join(sphere_mesh(1), moved(sphere_mesh(1), 1.0, {0.5, 0.25, 0.0}))},
@@ -277,10 +258,9 @@ TEST(MeshInCubeTest, CubesFreeOfTrianglesAreDecided) {
       constexpr int n = 12;
       double least = infinity;
       for (int i = 0; i < n * n * n; ++i) {
+        const std::array place{i % n, i / n % n, i / n / n};
         Point x = cube.centre;
-        x[0] += cube.half_width * (2 * (i % n) + 1 - n) / n;
-        x[1] += cube.half_width * (2 * (i / n % n) + 1 - n) / n;
-        x[2] += cube.half_width * (2 * (i / n / n) + 1 - n) / n;
+        for (std::size_t axis = 0; axis < 3; ++axis) x[axis] += cube.half_width * (2 * place[axis] + 1 - n) / n;
         const Enclosure there = posed.signed_distance(x).signed_distance;
         least = std::min({least, std::abs(there.lo), std::abs(there.hi)});
       }

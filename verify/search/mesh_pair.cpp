@@ -500,7 +500,7 @@ class MeshesApart {
     return std::nullopt;
   }
 
-  /// Of its points, from their exact places in the other frame.
+  /// How far points of the solid may be from their exact places in the other frame.
   static double off(const Solid& solid, const RoundedMotion& motion) {
     return (Interval(motion.displacement(solid.largest)) + Interval(rounding_of_middle(solid.largest))).upper();
   }

@@ -22,7 +22,7 @@ namespace {
 
 }  // namespace
 
-/// What is left of the triangles for one point.
+/// Triangles that may be nearest to one point.
 struct WideTree::Candidates {
   static constexpr std::size_t most = 64;
 
@@ -244,7 +244,7 @@ namespace {
 
 using FourLanes = Lanes<double, 4>;
 
-/// Of four triangles.
+/// The corners of four triangles, one triangle a lane.
 [[gnu::always_inline]] inline std::array<std::array<FourLanes, 3>, 3> in_lanes(
     const std::array<const Triangle*, 4>& triangles) {
   std::array<std::array<FourLanes, 3>, 3> corners;

@@ -52,7 +52,7 @@ template <class Number>
   return __builtin_convertvector(narrow, Lanes<Number, 8>);
 }
 
-/// Of vectors lane by lane. The second where one is no number.
+/// The greater of two numbers, lane by lane; the second where one is no number.
 template <class Vector>
 [[gnu::always_inline]] inline Vector greater(const Vector& a, const Vector& b) {
   return a > b ? a : b;
