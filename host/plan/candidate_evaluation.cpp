@@ -9,6 +9,7 @@
 
 #include "host/plan/primitive_projection.hpp"
 #include "host/prepare/eigen_points.hpp"
+#include "host/prepare/mesh_geometry.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/search/distance_field.hpp"
 #include "verify/search/set_tree.hpp"
@@ -17,6 +18,52 @@
 #include "verisq/map.hpp"
 
 namespace verisq::fit_search {
+
+namespace {
+
+/// Points of a grid over a mesh's box, each way, and how many of those inside are kept.
+constexpr int grid_points = 12;
+constexpr std::size_t most_samples = 48;
+
+template <class Item>
+std::vector<Item> thinned(const std::vector<Item>& items, std::size_t most) {
+  std::vector<Item> kept;
+  const std::size_t stride = (items.size() + most - 1) / most;
+  for (std::size_t i = 0; i < items.size(); i += stride) kept.push_back(items[i]);
+  return kept;
+}
+
+/// A corner of each.
+std::vector<Point> one_of_each_triangle(const Mesh& mesh) {
+  std::vector<Point> corners;
+  for (const auto& triangle : mesh.triangles) corners.push_back(mesh.vertices[triangle[0]]);
+  return corners;
+}
+
+std::vector<Point> grid_over(const Mesh& mesh) {
+  const Extent extent = extent_of(mesh.vertices);
+  std::vector<Point> grid;
+  const auto at = [&](int i, std::size_t axis) {
+    const double share = (i + 0.5) / grid_points;
+    return extent.lower[axis] + share * (extent.upper[axis] - extent.lower[axis]);
+  };
+  for (int i = 0; i < grid_points; ++i)
+    for (int j = 0; j < grid_points; ++j)
+      for (int k = 0; k < grid_points; ++k) grid.push_back({at(i, 0), at(j, 1), at(k, 2)});
+  return grid;
+}
+
+}  // namespace
+
+SolidMesh::SolidMesh(const Mesh& mesh) : solid(mesh) {
+  const std::vector<Point> grid = grid_over(mesh);
+  std::vector<verify::ClosedMesh::Distance> distances(grid.size());
+  solid.signed_distances(grid, distances);
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    if (distances[i].side == verify::ClosedMesh::Side::inside) samples.push_back(grid[i]);
+  if (samples.empty()) samples = one_of_each_triangle(mesh);
+  samples = thinned(samples, most_samples);
+}
 
 namespace {
 
@@ -75,21 +122,32 @@ constexpr std::size_t kBlock = 64;
 
 class PlacedSolid {
  public:
-  explicit PlacedSolid(const Primitive& primitive)
-      : projection_(primitive), translation_(vector_of(primitive.pose.translation)) {
+  /// `mesh`: nothing for a superquadric.
+  PlacedSolid(const Primitive& primitive, std::shared_ptr<const SolidMesh> mesh)
+      : mesh_(std::move(mesh)), translation_(vector_of(primitive.pose.translation)) {
+    if (!mesh_) projection_.emplace(primitive);
     rotation_ = verify::unit_quaternion(primitive.pose.quaternion).toRotationMatrix();
   }
 
   [[nodiscard]] Vector3d local(const Vector3d& p) const { return rotation_.transpose() * (p - translation_); }
-  [[nodiscard]] double lower_bound(const Vector3d& local) const { return projection_.lower_bound(local); }
+  [[nodiscard]] double lower_bound(const Vector3d& local) const {
+    return mesh_ ? -infinity : projection_->lower_bound(local);
+  }
 
   [[nodiscard]] PointDistance distance(const Vector3d& local, std::uint32_t index) const {
-    const Projection found = projection_(local);
-    return {found.distance, point_of(rotation_ * found.normal), index, point_of(projection_.size_gradient(found))};
+    if (mesh_) {
+      const verify::ClosedMesh::Distance found = mesh_->solid.signed_distance(point_of(local));
+      return {middle(found.signed_distance), point_of(rotation_ * vector_of(found.normal)), index, {}};
+    }
+    const Projection found = (*projection_)(local);
+    return {found.distance, point_of(rotation_ * found.normal), index, point_of(projection_->size_gradient(found))};
   }
 
  private:
-  PrimitiveProjection projection_;
+  static double middle(const Enclosure& distance) { return std::midpoint(distance.lo, distance.hi); }
+
+  std::shared_ptr<const SolidMesh> mesh_;
+  std::optional<PrimitiveProjection> projection_;  ///< unless there is a mesh
   Vector3d translation_;
   Matrix3d rotation_;
 };
@@ -104,8 +162,9 @@ PointDistance turned_over(PointDistance at) {
 /// The candidate's set, with distances as PointDistance has them.
 class PlacedSet {
  public:
-  explicit PlacedSet(const Candidate& candidate)
-      : solids_(candidate.primitives.begin(), candidate.primitives.end()), set_(candidate.set) {
+  explicit PlacedSet(const Candidate& candidate) : set_(candidate.set) {
+    for (std::size_t k = 0; k < candidate.primitives.size(); ++k)
+      solids_.emplace_back(candidate.primitives[k], candidate.meshes.empty() ? nullptr : candidate.meshes[k]);
     if (!set_) set_ = std::make_shared<const SetNode>(verify::normal_form({"", candidate.primitives}, Side::inside));
   }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/distance_field.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verisq/clearance.hpp"
@@ -24,11 +25,20 @@ namespace verisq::fit_search {
 
 // The functions that the search of a fit calls: the objective of many candidates at once, and the distances of one.
 
+/// A part of an implant that is a closed mesh, in its own frame: made once, for all candidates.
+struct SolidMesh {
+  explicit SolidMesh(const Mesh& mesh);
+
+  verify::ClosedMesh solid;
+  std::vector<Point> samples;  ///< points of it, about evenly inside where it is thick enough; at least one
+};
+
 /// An implant posed and sized, in the coordinates of the cavity. Rotations are about the pivot.
 struct Candidate {
   std::vector<Primitive> primitives;  ///< as many in each candidate as in the others
   Point pivot;
   std::shared_ptr<const verify::SetNode> set = {};  ///< of the primitives; nothing: their union
+  std::vector<std::shared_ptr<const SolidMesh>> meshes = {};  ///< of the primitives that are meshes; none: of no one
 };
 
 /// F over the chosen points, and its derivatives by the candidate, to nearest.
@@ -189,6 +199,7 @@ class CandidateSpace {
 
   Model middle_;  ///< sizes at the middle of their intervals
   std::shared_ptr<const verify::SetNode> set_;
+  std::vector<std::shared_ptr<const SolidMesh>> meshes_;  ///< as Candidate::meshes
   std::vector<Size> sizes_;
   Eigen::Quaterniond start_rotation_;
   Eigen::Vector3d centre_;        ///< the implant's centre, in its own frame

@@ -114,10 +114,18 @@ Model middle_of(const UncertainModel& implant) {
         {.name = primitive.name,
          .superquadric = {middles(primitive.semi_axes), middles(primitive.exponents), primitive.taper},
          .pose = {middles(primitive.translation), primitive.quaternion},
-         .bend = primitive.bend});
+         .bend = primitive.bend,
+         .mesh = primitive.mesh});
   }
   if (!is_exact(implant)) verify::require_union_of_convex(model, "sizes to choose from");
   return model;
+}
+
+std::vector<std::shared_ptr<const SolidMesh>> meshes_of(const Model& model) {
+  std::vector<std::shared_ptr<const SolidMesh>> meshes;
+  for (const Primitive& primitive : model.primitives)
+    meshes.push_back(primitive.mesh ? std::make_shared<const SolidMesh>(*primitive.mesh) : nullptr);
+  return meshes;
 }
 
 }  // namespace
@@ -125,6 +133,7 @@ Model middle_of(const UncertainModel& implant) {
 CandidateSpace::CandidateSpace(const UncertainModel& implant, const PoseRange& range)
     : middle_(middle_of(implant)), start_rotation_(verify::unit_quaternion(range.start.quaternion)) {
   set_ = std::make_shared<const verify::SetNode>(verify::normal_form(middle_, verify::Side::inside));
+  if (has_mesh(middle_)) meshes_ = meshes_of(middle_);
   const verify::Box box = verify::bounding_box(middle_);
   centre_ = (vector_of(box.lower) + vector_of(box.upper)) / 2.0;
   radius_ = (vector_of(box.upper) - vector_of(box.lower)).norm() / 2.0;
@@ -225,7 +234,7 @@ std::string CandidateSpace::name(std::size_t parameter) const {
 
 Candidate CandidateSpace::candidate(std::span<const double> parameters) const {
   const Quaterniond turned = rotation(parameters);
-  Candidate result{sized(parameters).primitives, pivot(parameters), set_};
+  Candidate result{sized(parameters).primitives, pivot(parameters), set_, meshes_};
   for (Primitive& primitive : result.primitives) {
     primitive.pose.translation =
         point_of(turned * (vector_of(primitive.pose.translation) - centre_) + vector_of(result.pivot));

@@ -33,7 +33,7 @@ namespace verisq {
 
 Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
                               double penetration_limit, const MapOptions& options, const Sink<Point>& sink) {
-  verify::require_valid(posed);
+  verify::require_valid_with_meshes(posed);
   ClearanceSum sum(cavity.areas, cavity.area_of, fitness, penetration_limit);
   std::span<const Point> rest = cavity.points;
   const Source<Point> source = [&rest](std::span<Point> chunk) {
@@ -404,7 +404,7 @@ class MeshSearch {
 }  // namespace
 
 MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   MeshSearch search(distances_to(model, options), mesh, options, true);
   search.use_whole_triangles(model);
@@ -433,7 +433,7 @@ MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& mode
 }
 
 std::vector<std::uint32_t> covering_primitives(const Model& model) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   return verify::covering_primitives(model);
 }
 

@@ -462,7 +462,7 @@ verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_
 }  // namespace
 
 ContactAreas contact_areas(const Model& model, const Mesh& mesh, const ContactAreaOptions& options) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   check_mesh(mesh);
   if (mesh.triangles.empty()) refuse("the mesh has no triangles");
   check_regions(mesh, options.region_of, options.regions);

@@ -16,6 +16,7 @@
 #include "host/plan/candidate_evaluation.hpp"
 #include "host/plan/pose_search.hpp"
 #include "host/plan/requirements.hpp"
+#include "host/prepare/mesh_geometry.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/device.hpp"
 #include "verisq/distance.hpp"
@@ -128,6 +129,10 @@ bool kernels_evaluate(std::span<const UncertainModel> series) {
       series, [](const UncertainModel& implant) { return is_union_of_convex(bracket(implant).largest); });
 }
 
+bool with_meshes(std::span<const UncertainModel> series) {
+  return std::ranges::any_of(series, [](const UncertainModel& implant) { return has_mesh(bracket(implant).largest); });
+}
+
 /// An evaluator of the points whose kernels are compiled. Nothing, and no device, if the search is to end first: the
 /// host then computes the remaining evaluations.
 std::unique_ptr<CandidateEvaluator> compiled_on(device::Selection& selection, const Cavity& cavity,
@@ -173,11 +178,23 @@ struct SearchedCavity {
   std::unique_ptr<CandidateEvaluator> surface_evaluator;
 };
 
-/// The smallest semi-axis: no part of an implant slips through from one side to the other.
+/// Half the least side of its box.
+double smallest_half_width(const Mesh& mesh) {
+  const Extent extent = extent_of(mesh.vertices);
+  double smallest = infinity;
+  for (std::size_t i = 0; i < 3; ++i) smallest = std::min(smallest, 0.5 * (extent.upper[i] - extent.lower[i]));
+  return smallest;
+}
+
+/// The smallest semi-axis, about that of a mesh, too: no part of an implant slips through from one side to the other.
 double spacing_of_surface_points(std::span<const UncertainModel> series) {
   double smallest = infinity;
   for (const UncertainModel& implant : series) {
     for (const UncertainPrimitive& primitive : implant.primitives) {
+      if (primitive.mesh) {
+        smallest = std::min(smallest, smallest_half_width(*primitive.mesh));
+        continue;
+      }
       for (const Enclosure& semi_axis : primitive.semi_axes) smallest = std::min(smallest, semi_axis.hi);
     }
   }
@@ -382,14 +399,14 @@ std::vector<FitFinalist> finalists_of(std::span<const CandidateSpace> spaces, st
 
 Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options) {
   require(!series.empty(), "fit: no implant to fit");
-  for (const UncertainModel& implant : series) verify::require_valid(implant);
+  for (const UncertainModel& implant : series) verify::require_valid_with_meshes(implant);
   check(cavity, options);
   check_sides(series, cavity, options);
   const std::vector<CandidateSpace> spaces = spaces_of(series, options.range);
   device::Selection selection = selected(options);
   const bool kernels = kernels_evaluate(series);
   auto of_points = kernels ? compiled_on(selection, cavity, spaces, options) : nullptr;
-  const std::string device = selection.device ? selection.device->name : "host";
+  const std::string device = selection.device && !with_meshes(series) ? selection.device->name : "host";
   const MakeEvaluator make_evaluator = evaluator_on(selection.device, kernels);
   const double spacing = spacing_of_surface_points(series);
   SearchedCavity searched(cavity, spacing, make_evaluator, std::move(of_points));

@@ -17,6 +17,7 @@
 #include "verify/solids/model.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/fit.hpp"
+#include "verisq/mesh_topology.hpp"
 
 namespace verisq {
 
@@ -60,9 +61,10 @@ double volume(const Superquadric& solid) {
 }  // namespace fit_search
 
 double implant_size(const Model& implant) {
-  verify::require_valid(implant);
+  verify::require_valid_with_meshes(implant);
   double size = 0.0;
-  for (const Primitive& primitive : implant.primitives) size += fit_search::volume(primitive.superquadric);
+  for (const Primitive& primitive : implant.primitives)
+    size += primitive.mesh ? std::fabs(signed_volume(*primitive.mesh)) : fit_search::volume(primitive.superquadric);
   return size;
 }
 
@@ -326,12 +328,20 @@ std::array<Eigen::Vector3d, 7> unbent_samples_of(const Superquadric& solid) {
   return samples;
 }
 
-std::array<Point, 7> samples_of(const Primitive& primitive) {
+std::vector<Point> samples_of(const SolidMesh& mesh, const Pose& pose) {
+  const Eigen::Matrix3d rotation = verify::unit_quaternion(pose.quaternion).toRotationMatrix();
+  std::vector<Point> samples;
+  for (const Point& own : mesh.samples)
+    samples.push_back(point_of(rotation * vector_of(own) + vector_of(pose.translation)));
+  return samples;
+}
+
+std::vector<Point> samples_of(const Primitive& primitive) {
   const Eigen::Quaterniond rotation = verify::unit_quaternion(primitive.pose.quaternion);
   const Eigen::Vector3d centre = vector_of(primitive.pose.translation);
   std::optional<BentProjection> bend;
   if (is_bent(primitive)) bend.emplace(primitive.superquadric, *primitive.bend);
-  std::array<Point, 7> samples{};
+  std::vector<Point> samples(7);
   std::ranges::transform(unbent_samples_of(primitive.superquadric), samples.begin(), [&](const Eigen::Vector3d& own) {
     return point_of(centre + rotation * (bend ? bend->image(own) : own));
   });
@@ -347,7 +357,8 @@ std::size_t SideRequirements::misplaced(const Candidate& candidate) const {
   std::size_t count = 0;
   for (std::size_t k = 0; k < required_.size(); ++k) {
     if (required_[k] == SurfaceSide::any) continue;
-    for (const Point& sample : samples_of(candidate.primitives[k])) {
+    const SolidMesh* const mesh = candidate.meshes.empty() ? nullptr : candidate.meshes[k].get();
+    for (const Point& sample : mesh ? samples_of(*mesh, candidate.primitives[k].pose) : samples_of(candidate.primitives[k])) {
       if ((*inside_)(sample) != (required_[k] == SurfaceSide::inside)) ++count;
     }
   }

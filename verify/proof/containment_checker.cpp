@@ -223,6 +223,7 @@ struct ContainmentChecker::State {
 };
 
 ContainmentChecker::ContainmentChecker(const Model& model, const Mesh& mesh) {
+  verify::require_valid(model);
   if (model.csg) throw Error(ErrorKind::input, "containment: the model has set operations, not primitives alone");
   state_ = std::make_unique<State>(model, mesh);
   if (state_->sides.rims() > 0) throw Error(ErrorKind::input, "containment: the mesh is not closed");

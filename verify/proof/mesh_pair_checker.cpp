@@ -218,6 +218,24 @@ class Meshes {
   RigidMotion b_to_a_;
 };
 
+}  // namespace
+
+bool keep_off_surface(std::span<const Triangle> triangles, const MeshSolid& mesh, const Hook& interrupted) {
+  const RigidMotion to_mesh = mesh.motion().inverse();
+  return std::ranges::all_of(triangles, [&](const Triangle& triangle) {
+    if (interrupted && interrupted()) return false;
+    const Ball in_model = ball_about(triangle);
+    const Ball ball = rounded_ball(to_mesh(precise(in_model.centre)), in_model.radius);
+    if (!(ball.radius < infinity)) return false;
+    const PreciseTriangle own = moved(triangle, to_mesh);
+    return std::ranges::all_of(mesh.tree().within(ball.centre, ball.radius), [&](std::uint32_t n) {
+      return distance_of(corners_of(mesh.tree().triangle(n)), own).lower > Real(0);
+    });
+  });
+}
+
+namespace {
+
 using LongPoint = Coordinates<long double>;
 
 PreciseVector exactly(const LongPoint& x) {

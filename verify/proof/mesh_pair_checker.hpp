@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "verify/proof/mesh_solid.hpp"
@@ -21,6 +22,11 @@ struct MeshModel {
   std::vector<MeshSolid> meshes;
   PosedPrimitives others;
 };
+
+/// True proves that these triangles, of the model's frame, have no point in common with those of the mesh. False proves
+/// nothing, as once interrupted. Precondition: finite.
+[[nodiscard]] bool keep_off_surface(std::span<const Triangle> triangles, const MeshSolid& mesh,
+                                    const Hook& interrupted);
 
 /// Two such models, B of which is moved. It finds the nearest triangles itself (docs/mathematics.md §29). Immutable
 /// after construction: safe to call from many threads.
