@@ -218,6 +218,35 @@ class Meshes {
   RigidMotion b_to_a_;
 };
 
+using RoundedTriangle = std::array<Vector3<double>, 3>;
+
+RoundedTriangle rounded(const PreciseTriangle& triangle) {
+  RoundedTriangle result;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i)
+      result[k][i] = Interval(triangle[k][i].lower().to_double(Direction::down),
+                              triangle[k][i].upper().to_double(Direction::up));
+  return result;
+}
+
+/// True proves that all of b lies farther along n than all of a: for whatever vector n encloses.
+bool lies_beyond(const RoundedTriangle& b, const RoundedTriangle& a, const Vector3<double>& n) {
+  const auto along = [&](const Vector3<double>& x) { return n.dot(Vector3<double>(x - a[0])); };
+  const double most = std::max({along(a[0]).upper(), along(a[1]).upper(), along(a[2]).upper()});
+  return along(b[0]).lower() > most && along(b[1]).lower() > most && along(b[2]).lower() > most;
+}
+
+/// True proves that a plane of one of the two, or one across the way between them, parts them.
+bool are_parted(const RoundedTriangle& a, const RoundedTriangle& b) {
+  const auto normal = [](const RoundedTriangle& t) {
+    return cross(Vector3<double>(t[1] - t[0]), Vector3<double>(t[2] - t[0]));
+  };
+  const auto sum = [](const RoundedTriangle& t) { return Vector3<double>(t[0] + t[1] + t[2]); };
+  for (const Vector3<double>& n : {Vector3<double>(sum(b) - sum(a)), normal(a), normal(b)})
+    if (lies_beyond(b, a, n) || lies_beyond(a, b, n)) return true;
+  return false;
+}
+
 }  // namespace
 
 bool keep_off_surface(std::span<const Triangle> triangles, const MeshSolid& mesh, const Hook& interrupted) {
@@ -228,8 +257,10 @@ bool keep_off_surface(std::span<const Triangle> triangles, const MeshSolid& mesh
     const Ball ball = rounded_ball(to_mesh(precise(in_model.centre)), in_model.radius);
     if (!(ball.radius < infinity)) return false;
     const PreciseTriangle own = moved(triangle, to_mesh);
+    const RoundedTriangle about = rounded(own);
     return std::ranges::all_of(mesh.tree().within(ball.centre, ball.radius), [&](std::uint32_t n) {
-      return distance_of(corners_of(mesh.tree().triangle(n)), own).lower > Real(0);
+      const PreciseTriangle other = corners_of(mesh.tree().triangle(n));
+      return are_parted(rounded(other), about) || distance_of(other, own).lower > Real(0);
     });
   });
 }

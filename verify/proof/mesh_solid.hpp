@@ -82,8 +82,10 @@ class MeshSolid {
   /// In that frame, a sphere that contains the solid.
   [[nodiscard]] EnclosingSphere sphere() const;
 
- private:
+  /// How often the triangles wind about the point. Precondition: it lies off them.
   [[nodiscard]] std::optional<int> winding_number(const PreciseVector& own) const;
+
+ private:
   [[nodiscard]] std::optional<int> winding_number(const PreciseVector& own, std::size_t axis, bool upward) const;
   [[nodiscard]] std::optional<bool> lies_on_one_of(std::span<const std::uint32_t> triangles,
                                                    const PreciseVector& own) const;

@@ -14,11 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "verify/numbers/points.hpp"
 #include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
-#include "verify/proof/mesh_pair_checker.hpp"
-#include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/solids/bend.hpp"
@@ -305,23 +302,16 @@ std::optional<OrientedSurface::Side> OrientedSurface::side_of(const Point& point
   return *winding * *orientation_ > 0 ? Side::inside : Side::neither;
 }
 
-}  // namespace verisq::verify
-
-namespace verisq {
-
 namespace {
-
-using PointSide = verify::OrientedSurface::Side;
 
 constexpr std::size_t triangles_a_task = 32;
 
-/// True if all triangles keep off, by `keeps_off` of some of them. Neighbours in a mesh are often near each other.
-template <class KeepsOff>
+/// Neighbours in a mesh are often near each other.
 bool keep_off(const KeepsOff& keeps_off, std::span<const Triangle> triangles, const CheckOptions& options) {
   const std::size_t tasks = (triangles.size() + triangles_a_task - 1) / triangles_a_task;
   std::atomic<std::size_t> kept = 0;  // tasks; one that is not begun is not kept
   std::atomic<bool> failed = false;
-  verify::CheckSteps(tasks, options).each(tasks, [&](std::size_t task) {
+  CheckSteps(tasks, options).each(tasks, [&](std::size_t task) {
     const std::size_t first = task * triangles_a_task;
     if (failed) return;
     if (keeps_off(triangles.subspan(first, std::min(triangles_a_task, triangles.size() - first))))
@@ -332,10 +322,9 @@ bool keep_off(const KeepsOff& keeps_off, std::span<const Triangle> triangles, co
   return kept == tasks;
 }
 
-/// The finding that a triangle of the surface, or of its closing, is not proven to keep off; nothing if all are.
-template <class KeepsOff>
-std::optional<SideFinding> met(const verify::OrientedSurface& surface, const KeepsOff& keeps_off,
-                               const CheckOptions& options) {
+}  // namespace
+
+std::optional<SideFinding> met(const OrientedSurface& surface, const KeepsOff& keeps_off, const CheckOptions& options) {
   const std::span<const Triangle> triangles = surface.triangles();
   if (!keep_off(keeps_off, triangles.first(surface.triangles_of_mesh()), options)) return SideFinding::enters_surface;
   if (!keep_off(keeps_off, triangles.subspan(surface.triangles_of_mesh()), options))
@@ -343,70 +332,17 @@ std::optional<SideFinding> met(const verify::OrientedSurface& surface, const Kee
   return std::nullopt;
 }
 
+}  // namespace verisq::verify
+
+namespace verisq {
+
+namespace {
+
+using PointSide = verify::OrientedSurface::Side;
+
 PointSide wanted_side(const SideClaim& claim) {
   return claim.side == SurfaceSide::inside ? PointSide::inside : PointSide::outside;
 }
-
-/// A mesh that the surface does not meet, inside neither: from each of its points a way within it leads to its
-/// triangles, and along these to a vertex of their part (docs/mathematics.md §22).
-class MeshBesideSurface {
- public:
-  MeshBesideSurface(const Primitive& primitive, const verify::OrientedSurface& surface)
-      : mesh_(*primitive.mesh), solid_(primitive), surface_(surface), tree_(surface.triangles()) {}
-
-  [[nodiscard]] SideFinding operator()(const SideClaim& claim, double limit, const CheckOptions& options) const {
-    const std::optional<verify::OrientedSurface::Side> of_middle = side_of_middle(limit);
-    if (of_middle && *of_middle != wanted_side(claim)) return SideFinding::other_side;
-    const auto keeps_off = [&](std::span<const Triangle> triangles) {
-      return verify::keep_off_surface(triangles, solid_, options.interrupted);
-    };
-    if (const std::optional<SideFinding> finding = met(surface_, keeps_off, options)) return *finding;
-    if (!(solid_.signed_distance(tree_.triangle(0)[0]).lo > 0.0)) return SideFinding::enters_surface;
-    for (const Point& own : solid_.on_parts()) {
-      const std::optional<PointSide> side = side_near(own);
-      if (!side) return SideFinding::on_the_surface;
-      if (*side != wanted_side(claim)) return SideFinding::no_deep_point;  // or it would be proven to be broken
-    }
-    return SideFinding::kept;
-  }
-
- private:
-  struct Placed {
-    Point point;
-    double displacement;  ///< from the exact one, at most
-  };
-
-  [[nodiscard]] Placed placed(const Point& own) const {
-    const verify::PreciseVector exact = solid_.motion()(verify::precise(own));
-    Placed result{{}, 0.0};
-    for (std::size_t i = 0; i < 3; ++i) result.point[i] = exact[i].lower().to_double(verify::Direction::down);
-    const verify::Real off = verify::length<verify::Real>(verify::PreciseVector(exact - verify::precise(result.point))).upper();
-    result.displacement = off.to_double(verify::Direction::up);
-    return result;
-  }
-
-  /// The side of a point of the mesh's own frame: the surface does not pass between it and the point that is asked.
-  [[nodiscard]] std::optional<PointSide> side_near(const Point& own) const {
-    const auto [point, displacement] = placed(own);
-    if (!verify::is_finite(point) || !(tree_.nearest(point).distance.lo > displacement)) return std::nullopt;
-    return surface_.side_of(point);
-  }
-
-  /// The side of the mean of the vertices, if that lies deeper than the limit.
-  [[nodiscard]] std::optional<PointSide> side_of_middle(double limit) const {
-    Point mean{};
-    for (const Point& vertex : mesh_.vertices)
-      for (std::size_t i = 0; i < 3; ++i) mean[i] += vertex[i] / static_cast<double>(mesh_.vertices.size());
-    const Point middle = placed(mean).point;
-    if (!verify::is_finite(middle) || !(solid_.signed_distance(middle).hi < -limit)) return std::nullopt;
-    return surface_.side_of(middle);
-  }
-
-  const Mesh& mesh_;
-  verify::MeshSolid solid_;
-  const verify::OrientedSurface& surface_;
-  verify::TriangleTree tree_;
-};
 
 }  // namespace
 
@@ -457,15 +393,17 @@ SideFinding SideChecker::State::of_convex_or_bent(const SideClaim& claim, const 
   const auto keeps_off = [&](std::span<const Triangle> triangles) {
     return part.keeps_off(triangles, options.interrupted);
   };
-  return met(surface, keeps_off, options).value_or(SideFinding::kept);
+  return verify::met(surface, keeps_off, options).value_or(SideFinding::kept);
 }
 
 SideFinding SideChecker::operator()(const SideClaim& claim, const CheckOptions& options) const {
   if (claim.side == SurfaceSide::any) return SideFinding::kept;
   const verify::OrientedSurface& surface = state_->surface;
   const Primitive& primitive = state_->model.primitives[claim.primitive];
-  const SideFinding finding = primitive.mesh ? MeshBesideSurface(primitive, surface)(claim, state_->penetration_limit, options)
-                                             : state_->of_convex_or_bent(claim, options);
+  const SideFinding finding =
+      primitive.mesh
+          ? verify::MeshBesideSurface(primitive, surface)(wanted_side(claim), state_->penetration_limit, options)
+          : state_->of_convex_or_bent(claim, options);
   if (finding != SideFinding::kept) return finding;
   if (surface.components() > 1) return SideFinding::several_parts;
   return surface.faces_outward() ? SideFinding::kept : SideFinding::no_volume;

@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "verify/proof/closed_surface.hpp"
+#include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/proof/solid_pair.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verisq/clearance.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 #include "verisq/recovery.hpp"
@@ -110,6 +112,38 @@ class OrientedSurface {
   std::size_t components_;
   ClosedSurface closed_;
   std::optional<int> orientation_;  ///< the proven sign of the volume that it encloses
+};
+
+/// True proves that all of the triangles keep off something; false proves nothing.
+using KeepsOff = std::function<bool(std::span<const Triangle> triangles)>;
+
+/// The finding that a triangle of the surface, or of its closing, is not proven to keep off; nothing if all are.
+[[nodiscard]] std::optional<SideFinding> met(const OrientedSurface& surface, const KeepsOff& keeps_off,
+                                             const CheckOptions& options);
+
+/// A primitive that is a mesh, and a surface of one part (docs/mathematics.md §22).
+class MeshBesideSurface {
+ public:
+  /// Preconditions: the primitive has a mesh, and is valid. Both must outlive this.
+  MeshBesideSurface(const Primitive& primitive, const OrientedSurface& surface);
+
+  /// Kept: all points of the mesh's solid that lie deeper in it than the limit are on that side of the surface, provided
+  /// that this is connected.
+  [[nodiscard]] SideFinding operator()(OrientedSurface::Side wanted, double limit, const CheckOptions& options) const;
+
+ private:
+  struct Cube;
+  class Settler;
+
+  [[nodiscard]] SideFinding kept_wholly(OrientedSurface::Side wanted, const CheckOptions& options) const;
+  [[nodiscard]] bool deep_points_are(OrientedSurface::Side wanted, double limit, const CheckOptions& options) const;
+  [[nodiscard]] std::optional<OrientedSurface::Side> side_of_middle(double limit) const;
+  [[nodiscard]] OrientedSurface::Side side_where(int winding) const;
+
+  const Mesh& mesh_;
+  MeshSolid solid_;
+  const OrientedSurface& surface_;
+  MeshSolid of_surface_;  ///< what the surface winds about
 };
 
 // Proves that a union of primitives lies within a closed mesh, or around it (docs/mathematics.md §21).
