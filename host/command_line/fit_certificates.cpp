@@ -1,6 +1,7 @@
 /// The proofs of the distances and areas in contact of a fit.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -132,6 +133,16 @@ void check_certificates(const FitArguments& arguments) {
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments) {
   if (!arguments.surface_map.empty() && problem.mesh.triangles.empty())
     refuse(fmt::format("--surface-map: {}: has no triangles", arguments.mesh));
+  const auto with_mesh = std::ranges::find_if(
+      problem.series, [](const UncertainModel& implant) { return has_mesh(bracket(implant).largest); });
+  if (with_mesh == problem.series.end()) return;
+  const std::string& name = problem.names[static_cast<std::size_t>(with_mesh - problem.series.begin())];
+  if (!arguments.surface_map.empty())
+    refuse(fmt::format("--surface-map: {} has a mesh, of which only vertices have certificates: give --map", name));
+  if (!arguments.contact_certificate.empty())
+    refuse(fmt::format("--contact-certificate-file: {} has a mesh, and only superquadrics have one: leave it out", name));
+  if (arguments.certificates && !arguments.report.html.empty())
+    refuse(fmt::format("--report with --certificates: {} has a mesh, of which the page proves nothing: give --map", name));
 }
 
 MapContents contents_of(const FitArguments& arguments) {

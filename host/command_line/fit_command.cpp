@@ -440,8 +440,8 @@ void declare_fit(Options& options, FitArguments& arguments) {
   options.explain(closing_words);
   options.require_each(
       "--implant", arguments.implants, "FILE",
-      "Model of posed superquadrics, tapered or not (verisq-model/1, JSON); repeat it for a series to choose "
-      "from");
+      "Model of posed superquadrics, tapered or not (verisq-model/1, JSON), or a closed mesh (.stl .obj .ply .off .vtp "
+      ".vtk); repeat it for a series to choose from");
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off .vtp .vtk; its vertices are fitted");
   options.add_each(
       "--instrument", arguments.instruments, parse_name, "FILE",

@@ -484,6 +484,7 @@ std::string area_table(const FitSummary& summary) {
 JsonValue sizes(const FitSummary& summary) {
   JsonValue::Array sizes;
   for (const Primitive& primitive : summary.fit.model.primitives) {
+    if (primitive.mesh) continue;
     sizes.push_back(JsonObject{{"name", primitive.name}, {"semi_axes", primitive.superquadric.semi_axes}});
   }
   return sizes;

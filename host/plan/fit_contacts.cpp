@@ -129,6 +129,10 @@ bool is_contact(std::string_view name) {
   return name == whole || name == of_implant || name.starts_with(of_area);
 }
 
+bool is_contact_of_implant(std::string_view name) {
+  return name == of_implant;
+}
+
 void check_contacts(const FitProblem& problem) {
   if (problem.implant_contact && problem.mesh.triangles.empty())
     refuse("`implant_contact`: needs a mesh with triangles");

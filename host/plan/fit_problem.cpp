@@ -19,6 +19,7 @@
 #include "host/plan/clearance.hpp"
 #include "host/prepare/femur_axes.hpp"
 #include "host/prepare/mesh_geometry.hpp"
+#include "verify/solids/model.hpp"
 
 namespace verisq {
 namespace {
@@ -249,6 +250,21 @@ void check_implant(const UncertainModel& implant, const std::string& name) {
   }
 }
 
+/// Refuses, before the search, what is not known of implants that are meshes.
+void check_meshes(const FitRequest& request, const FitImplant& implant) {
+  const Model model = bracket(implant.model).largest;
+  if (!has_mesh(model)) return;
+  if (!verify::is_union(model))
+    refuse(fmt::format("{}: `csg` with meshes: only their union can be fitted: cut the mesh first", implant.name));
+  if (request.device != "auto" && request.device != "host")
+    refuse(fmt::format("`device` {}: {} has a mesh, which only the host fits: give host", request.device, implant.name));
+  const bool keeps_contact = std::ranges::any_of(
+      request.kept, [](const KeptFeature& kept) { return planning::is_contact_of_implant(kept.name); });
+  if (request.implant_contact || keeps_contact)
+    refuse(fmt::format("`implant_contact`: {} has a mesh, and it is known of superquadrics alone: give `keep` contact",
+                       implant.name));
+}
+
 /// Sizes in a series can be compared only in one unit.
 std::string common_units(std::span<const FitImplant> implants) {
   const auto first = std::ranges::find_if(implants, [](const FitImplant& each) { return !each.model.units.empty(); });
@@ -420,6 +436,7 @@ FitProblem fit_problem(FitRequest request) {
     (planning::is_contact(kept.name) ? problem.contacts : problem.kept).push_back(kept);
   for (const FitImplant& implant : request.implants) {
     check_implant(implant.model, implant.name);
+    check_meshes(request, implant);
     problem.names.push_back(implant.name);
     problem.series.push_back(implant.model);
     problem.implant_landmarks.push_back(landmarks_of(implant, problem));

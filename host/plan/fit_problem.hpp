@@ -48,6 +48,8 @@ void check_openings(const FitRequest& request, const Mesh& mesh);
 
 /// Returns whether a name of `KeptFeature` is one of contact.
 [[nodiscard]] bool is_contact(std::string_view name);
+/// Returns whether it is that of the implant's own surface.
+[[nodiscard]] bool is_contact_of_implant(std::string_view name);
 
 /// The contacts that the search keeps, by samples. It does not know requirements on the implant's own surface.
 [[nodiscard]] std::vector<FitContact> contacts_of(const FitProblem& problem);

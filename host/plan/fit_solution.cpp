@@ -312,7 +312,7 @@ void refuse_what_has_no_bound(const FitProblem& problem) {
       refuse(fmt::format("`bound`: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
     }
     if (is_union_of_convex(bracket(problem.series[i]).largest)) continue;
-    refuse(fmt::format("`bound`: {}: is known of unions of primitives without bends alone", problem.names[i]));
+    refuse(fmt::format("`bound`: {}: is known of unions of superquadrics without bends alone", problem.names[i]));
   }
 }
 

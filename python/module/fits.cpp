@@ -228,7 +228,7 @@ class FitRun {
                              .out_of_time = limit_.out_of_time()},
                             sink);
     if (certificates_ && found.solution.bound) found.best = certified_bound(*found.solution.bound);
-    if (certificates_ && found.proof.contact) {
+    if (certificates_ && found.proof.contact && !has_mesh(fitted)) {
       found.contact = certified_contact(problem_, found.solution.fit, found.proof, limit_.stop());
       if (found.contact->proven.interrupted) found.contact.reset();
     }
