@@ -37,7 +37,7 @@ struct SolidMesh {
 struct Candidate {
   std::vector<Primitive> primitives;  ///< as many in each candidate as in the others
   Point pivot;
-  std::shared_ptr<const verify::SetNode> set = {};  ///< of the primitives; nothing: their union
+  std::shared_ptr<const verify::SetNode> set = {};            ///< of the primitives; nothing: their union
   std::vector<std::shared_ptr<const SolidMesh>> meshes = {};  ///< of the primitives that are meshes; none: of no one
 };
 

@@ -257,7 +257,8 @@ void check_meshes(const FitRequest& request, const FitImplant& implant) {
   if (!verify::is_union(model))
     refuse(fmt::format("{}: `csg` with meshes: only their union can be fitted: cut the mesh first", implant.name));
   if (request.device != "auto" && request.device != "host")
-    refuse(fmt::format("`device` {}: {} has a mesh, which only the host fits: give host", request.device, implant.name));
+    refuse(
+        fmt::format("`device` {}: {} has a mesh, which only the host fits: give host", request.device, implant.name));
   const bool keeps_contact = std::ranges::any_of(
       request.kept, [](const KeptFeature& kept) { return planning::is_contact_of_implant(kept.name); });
   if (request.implant_contact || keeps_contact)

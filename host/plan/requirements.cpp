@@ -358,7 +358,8 @@ std::size_t SideRequirements::misplaced(const Candidate& candidate) const {
   for (std::size_t k = 0; k < required_.size(); ++k) {
     if (required_[k] == SurfaceSide::any) continue;
     const SolidMesh* const mesh = candidate.meshes.empty() ? nullptr : candidate.meshes[k].get();
-    for (const Point& sample : mesh ? samples_of(*mesh, candidate.primitives[k].pose) : samples_of(candidate.primitives[k])) {
+    for (const Point& sample :
+         mesh ? samples_of(*mesh, candidate.primitives[k].pose) : samples_of(candidate.primitives[k])) {
       if ((*inside_)(sample) != (required_[k] == SurfaceSide::inside)) ++count;
     }
   }

@@ -57,19 +57,20 @@ Mesh bead(const Point& centre, double radius = 0.2) {
 
 /// The cube from -1 to 1, whose triangles share vertices.
 Mesh cube() {
-  return {.vertices = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}},
-          .triangles = {{0, 2, 1},
-                        {1, 2, 3},
-                        {4, 5, 6},
-                        {5, 7, 6},
-                        {0, 1, 4},
-                        {1, 5, 4},
-                        {2, 6, 3},
-                        {3, 6, 7},
-                        {0, 4, 2},
-                        {2, 4, 6},
-                        {1, 3, 5},
-                        {3, 7, 5}}};
+  return {
+      .vertices = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}},
+      .triangles = {{0, 2, 1},
+                    {1, 2, 3},
+                    {4, 5, 6},
+                    {5, 7, 6},
+                    {0, 1, 4},
+                    {1, 5, 4},
+                    {2, 6, 3},
+                    {3, 6, 7},
+                    {0, 4, 2},
+                    {2, 4, 6},
+                    {1, 3, 5},
+                    {3, 7, 5}}};
 }
 
 /// Two beads, and between them a neck about so thick: one surface.
@@ -153,7 +154,8 @@ TEST(MeshSides, AreNotOfASurfaceWithin) {
   }
 }
 
-/// No point of the surface is inside of these implants, and their triangles hang together. Still they lie on both sides.
+/// No point of the surface is inside of these implants, and their triangles hang together. Still they lie on both
+/// sides.
 TEST(MeshSides, AreNotProvedWhereTheSurfaceTouches) {
   const Mesh surface = moved(cube(), 1.0, {1.0, 0.0, 0.0});  // x = 0 is a face
   Mesh twins = join(moved(tetrahedron(), 0.2), moved(turned(tetrahedron()), -0.2));

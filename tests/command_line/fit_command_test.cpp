@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -755,6 +757,76 @@ TEST_F(SidedFitCommand, KeepsOutOfBone) {
   const Outcome inside = fit({"--mesh", cavity(), "--bone", "--pose-start", "0,0,-2.5,1,0,0,0"}, "0.1", "1");
   EXPECT_EQ(inside.status, 3);
   EXPECT_THAT(inside.err, HasSubstr("\"shaft\" is proven to lie inside the bone, at least in part"));
+}
+
+/// A closed cavity of 8 x 8 x 24, and an implant of 4 x 4 x 12 that is a mesh.
+class MeshFitCommand : public SidedFitCommand {
+ protected:
+  [[nodiscard]] std::string block() const { return write("block.off", off(tessellated_box({1, 1, 3}))); }
+  [[nodiscard]] Outcome fit_block(Arguments arguments) const {
+    const Arguments quick{"fit",   "--implant", block(),     "--mesh", cavity(), "--cavity", "-o", path("fitted.json"),
+                          "--gap", "1",         "--samples", "64",     "--json"};
+    arguments.insert(arguments.begin(), quick.begin(), quick.end());
+    if (std::ranges::find(arguments, "--translation-range") == arguments.end())
+      arguments.insert(arguments.end(), {"--translation-range", "3", "--rotation-range", "5"});
+    return run(arguments);
+  }
+  [[nodiscard]] Outcome check(const std::string& certificate, const std::string& model) const {
+    return run({"check", "--certificate", certificate, "--model", model, "--mesh", cavity(), "--map", path("map.csv"),
+                "--json"});
+  }
+};
+
+TEST_F(MeshFitCommand, ProvesThePoseThatItFinds) {
+  const Outcome outcome = fit_block({"--map", path("map.csv"), "--certificate-file", path("proof.json")});
+  ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["sides"]["primitives"][0],
+            (json{{"primitive", "block"}, {"required", "inside"}, {"found", "proven"}}));
+  EXPECT_EQ(summary["sizes"], json::array());
+  EXPECT_DOUBLE_EQ(summary["size"], 4.0 * 4.0 * 12.0);
+  EXPECT_GE(summary["surface"]["smallest_distance"]["lo"], 0.0);
+  EXPECT_LT(summary["surface"]["smallest_distance"]["hi"], 0.1) << "in contact with a wall";
+  const Outcome checked = check(path("proof.json"), path("fitted.json"));
+  EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+  EXPECT_EQ(json::parse(checked.out)["sides"]["claims"],
+            json::array({{{"primitive", "block"}, {"side", "inside"}, {"verdict", "proved"}}}));
+}
+
+TEST_F(MeshFitCommand, NeverProvesAForgery) {
+  const auto claimed = [&](const std::string& side) {
+    std::ifstream in(path("proof.json"));
+    json proof = json::parse(in);
+    proof["sides"] = json::array({{{"primitive", 0}, {"side", side}}});
+    const Outcome checked = check(write("forged.json", proof.dump()), path("fitted.json"));
+    EXPECT_EQ(checked.status, 3) << checked.out << checked.err;
+    return json::parse(checked.out)["sides"]["claims"][0]["verdict"];
+  };
+  const Arguments files{"--map", path("map.csv"), "--certificate-file", path("proof.json")};
+  ASSERT_EQ(fit_block(files).status, 0);
+  EXPECT_EQ(claimed("outside"), "refuted");
+  // At a wall, through it, outside.
+  for (const char* const way : {"2", "3", "40"}) {
+    Arguments arguments = files;
+    arguments.insert(arguments.end(), {"--pose-start", std::string(way) + ",0.1,0.2,1,0,0,0", "--translation-range",
+                                       "0", "--rotation-range", "0"});
+    const Outcome outcome = fit_block(arguments);
+    EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+    EXPECT_NE(claimed("inside"), "proved") << way;
+    if (way != std::string("40")) EXPECT_NE(claimed("outside"), "proved") << way;
+  }
+}
+
+TEST_F(MeshFitCommand, RefusesWhatIsNotKnownOfMeshes) {
+  const std::string report = path("page.html");
+  expect_refused(fit_block({"--bound", "5"}), {"--bound: ", "known of unions of superquadrics without bends alone"});
+  expect_refused(fit_block({"--implant-contact"}), {"--implant-contact: ", "block.off has a mesh", "--keep contact"});
+  expect_refused(fit_block({"--keep", "implant_contact=1,100"}), {"block.off has a mesh"});
+  expect_refused(fit_block({"--device", "0"}), {"--device 0: ", "only the host fits"});
+  expect_refused(fit_block({"--surface-map", path("surface.csv")}), {"--surface-map: ", "give --map"});
+  expect_refused(fit_block({"--contact-certificate-file", path("contact.json")}),
+                 {"--contact-certificate-file: ", "has a mesh"});
+  expect_refused(fit_block({"--report", report, "--certificates"}), {"--report with --certificates: ", "give --map"});
 }
 
 }  // namespace

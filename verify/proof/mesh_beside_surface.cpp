@@ -43,8 +43,7 @@ Near near(const PreciseVector& exact) {
   Near result{{}, infinity};
   for (std::size_t i = 0; i < 3; ++i) result.point[i] = exact[i].lower().to_double(Direction::down);
   if (!is_finite(result.point)) return {{}, infinity};
-  result.displacement =
-      length<Real>(PreciseVector(exact - precise(result.point))).upper().to_double(Direction::up);
+  result.displacement = length<Real>(PreciseVector(exact - precise(result.point))).upper().to_double(Direction::up);
   return result;
 }
 
@@ -59,15 +58,16 @@ Primitive solid_of(const std::vector<Triangle>& triangles) {
   return {.name = "", .superquadric = {}, .pose = {}, .bend = {}, .mesh = std::move(mesh)};
 }
 
-/// Winding numbers of points off a surface. A point in a ball that is free of the surface has that of the ball's centre.
+/// Winding numbers of points off a surface. A point in a ball that is free of the surface has that of the ball's
+/// centre.
 class Windings {
  public:
   explicit Windings(const MeshSolid& solid) : solid_(solid) {}
 
   /// Precondition: no triangle is as near to the point as `free`, which is above 0.
   [[nodiscard]] std::optional<int> operator()(const Point& own, double free) {
-    const auto known = std::ranges::find_if(
-        balls_, [&](const Ball& ball) { return distance_up(own, ball.centre) < ball.radius; });
+    const auto known =
+        std::ranges::find_if(balls_, [&](const Ball& ball) { return distance_up(own, ball.centre) < ball.radius; });
     const std::optional<int> winding =
         known != balls_.end() ? std::optional(known->winding) : solid_.winding_number(precise(own));
     if (winding) balls_[next_++ % remembered_balls] = {own, free, *winding};
@@ -147,8 +147,7 @@ struct MeshBesideSurface::Cube {
     const double rounding = 0x1p-51 * (largest_coordinate(centre) + half);
     std::array<Cube, 8> result{};
     for (std::size_t n = 0; n < 8; ++n) {
-      for (std::size_t i = 0; i < 3; ++i)
-        result[n].centre[i] = centre[i] + ((n >> i & 1U) != 0 ? quarter : -quarter);
+      for (std::size_t i = 0; i < 3; ++i) result[n].centre[i] = centre[i] + ((n >> i & 1U) != 0 ? quarter : -quarter);
       result[n].half = add(quarter, rounding, Direction::up);
     }
     return result;

@@ -224,8 +224,8 @@ RoundedTriangle rounded(const PreciseTriangle& triangle) {
   RoundedTriangle result;
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t i = 0; i < 3; ++i)
-      result[k][i] = Interval(triangle[k][i].lower().to_double(Direction::down),
-                              triangle[k][i].upper().to_double(Direction::up));
+      result[k][i] =
+          Interval(triangle[k][i].lower().to_double(Direction::down), triangle[k][i].upper().to_double(Direction::up));
   return result;
 }
 

@@ -400,10 +400,9 @@ SideFinding SideChecker::operator()(const SideClaim& claim, const CheckOptions& 
   if (claim.side == SurfaceSide::any) return SideFinding::kept;
   const verify::OrientedSurface& surface = state_->surface;
   const Primitive& primitive = state_->model.primitives[claim.primitive];
-  const SideFinding finding =
-      primitive.mesh
-          ? verify::MeshBesideSurface(primitive, surface)(wanted_side(claim), state_->penetration_limit, options)
-          : state_->of_convex_or_bent(claim, options);
+  const SideFinding finding = primitive.mesh ? verify::MeshBesideSurface(primitive, surface)(
+                                                   wanted_side(claim), state_->penetration_limit, options)
+                                             : state_->of_convex_or_bent(claim, options);
   if (finding != SideFinding::kept) return finding;
   if (surface.components() > 1) return SideFinding::several_parts;
   return surface.faces_outward() ? SideFinding::kept : SideFinding::no_volume;

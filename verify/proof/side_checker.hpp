@@ -127,8 +127,8 @@ class MeshBesideSurface {
   /// Preconditions: the primitive has a mesh, and is valid. Both must outlive this.
   MeshBesideSurface(const Primitive& primitive, const OrientedSurface& surface);
 
-  /// Kept: all points of the mesh's solid that lie deeper in it than the limit are on that side of the surface, provided
-  /// that this is connected.
+  /// Kept: all points of the mesh's solid that lie deeper in it than the limit are on that side of the surface,
+  /// provided that this is connected.
   [[nodiscard]] SideFinding operator()(OrientedSurface::Side wanted, double limit, const CheckOptions& options) const;
 
  private:
