@@ -404,12 +404,20 @@ void check_usage(const InsertArguments& arguments) {
   check_certificate_file(arguments.certificate_file, inputs);
 }
 
+/// Throws Error(input) for what is asked of removed bone, where the implant has a mesh.
+void refuse_volumes_of_meshes(const InsertArguments& arguments, const Model& implant) {
+  if (!has_mesh(implant) || (!arguments.cavity && !arguments.bone)) return;
+  refuse(
+      fmt::format("{}: {} has a mesh, whose removed bone is not enclosed: leave it out, or recover a model of the mesh",
+                  arguments.cavity ? "--cavity" : "--bone", arguments.inputs.implant));
+}
+
 /// Throws Error(input) where the implant's rows have no certificates.
 void require_certificates(const InsertArguments& arguments, const Model& implant) {
   if (arguments.certificate_file.empty() || is_union_of_convex(implant)) return;
   refuse(
-      fmt::format("--certificate-file: {}: ways in of bent models, or of csg other than the union of all primitives, "
-                  "have no certificates",
+      fmt::format("--certificate-file: {}: ways in of meshes, of bent models, or of csg other than the union of all "
+                  "primitives, have no certificates",
                   arguments.inputs.implant));
 }
 
@@ -730,6 +738,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
   const Model implant = read_model_at(arguments.inputs.pose, arguments.inputs.implant);
   require_certificates(arguments, implant);
+  refuse_volumes_of_meshes(arguments, implant);
   const NamedMesh whole_bone{arguments.inputs.mesh, read_mesh(arguments.inputs.mesh)};
   tell_of_other_size(implant, arguments.inputs.implant, whole_bone.mesh.vertices, whole_bone.name);
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);

@@ -426,7 +426,7 @@ MeshClearance mesh_estimate(const ProposedDistances& distances, const Mesh& mesh
 
 MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& model, const Mesh& mesh,
                                    const MeshClearanceOptions& options) {
-  verify::require_valid(model);
+  verify::require_valid_with_meshes(model);
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   check_path(path);
   return MeshSearch(smallest_distances_along(path, model, options), mesh, options, false)();

@@ -283,7 +283,7 @@ struct InsertionMapper::State {
 
 InsertionMapper::InsertionMapper(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                  const InsertionOptions& options) {
-  verify::require_valid(implant);
+  verify::require_valid_with_meshes(implant);
   check_path(path);
   state_ = std::make_unique<State>(path, implant, bone, options);
 }
@@ -323,7 +323,7 @@ void check_way(const WayIn& way, const Point& centre) {
 }  // namespace
 
 Point turning_centre(const Model& implant) {
-  verify::require_valid(implant);
+  verify::require_valid_with_meshes(implant);
   const verify::Box box = verify::bounding_box(implant);
   return point_of((vector_of(box.lower) + vector_of(box.upper)) / 2.0);
 }

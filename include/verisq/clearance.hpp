@@ -306,11 +306,11 @@ class SideChecker {
   SideChecker& operator=(SideChecker&&) noexcept;
 
   /// Kept: no point of the surface, nor of the fans that close it over its rims, lies deeper in the primitive than the
-  /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are
-  /// (docs/mathematics.md §22). Inside is where the closed surface winds about a point as it does about its volume,
-  /// outside where it does not wind. Of a surface in several parts, as of one whose triangles do not share their
-  /// vertices, nothing is kept, nor of one that encloses nothing, nor once interrupted. Precondition: a primitive that
-  /// there is.
+  /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are. Of
+  /// a mesh all of its parts are asked (docs/mathematics.md §22). Inside is where the closed surface winds about a
+  /// point as it does about its volume, outside where it does not wind. Of a surface in several parts, as of one whose
+  /// triangles share no vertices, nothing is kept, nor of one that encloses nothing, nor once interrupted.
+  /// Precondition: there is such a primitive.
   [[nodiscard]] SideFinding operator()(const SideClaim& claim, const CheckOptions& options = {}) const;
 
   /// Whether the closed surface's normals point outward, as a bone's; nothing where that is not proven.

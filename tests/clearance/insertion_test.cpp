@@ -13,6 +13,7 @@
 
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
+#include "tests/fixtures/mesh_scenes.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verify/solids/paths.hpp"
 #include "verisq/enclosure.hpp"
@@ -147,6 +148,31 @@ TEST(Insertion, OfASetOperationIsEnclosedToo) {
   const Insertion found = along(path, bored, bone, 0.3);
   expect_contains_the_smallest(found, path, bored, bone, 20);
   for (const MapResult& row : found.rows) EXPECT_LE(row.distance.width(), 0.3);
+}
+
+/// The stem's shaft as a mesh of triangles, inscribed.
+TEST(Insertion, OfAMeshIsThatOfTheSolidItTessellates) {
+  const Mesh ball = verisq::testing::sphere_mesh(4);
+  const Point semi_axes{1.0, 1.4, 6.0};
+  const Pose pose{{0.0, 0.0, -3.0}, {1.0, 0.1, 0.0, 0.0}};
+  const Model solid{"", {{"shaft", {semi_axes, {1.0, 1.0}}, pose}}};
+  const Model mesh{"", {mesh_primitive("shaft", verisq::testing::stretched(ball, semi_axes), pose)}};
+  const double off = 6.0 * (1.0 + SignedDistance(Model{"", {mesh_primitive("", ball)}})({}, 1e-9).hi);
+  const std::vector<Point> points = random_points(9, 150, 5.0);
+  const std::vector<Pose> path = curved_path(3);
+  const double tolerance = 1e-3;
+  const Insertion of_solid = along(path, solid, points, tolerance);
+  const Insertion of_mesh = along(path, mesh, points, tolerance);
+  EXPECT_EQ(of_mesh.summary.wide, 0U);
+  std::size_t cut = 0;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const Enclosure& distance = of_mesh.rows[n].distance;
+    EXPECT_LE(distance.width(), tolerance);
+    EXPECT_GE(distance.hi, of_solid.rows[n].distance.lo);
+    EXPECT_LE(distance.lo, of_solid.rows[n].distance.hi + off);
+    if (distance.hi < 0.0) ++cut;
+  }
+  EXPECT_GT(cut, 5U);
 }
 
 TEST(Insertion, IsOfTheMovedModel) {

@@ -278,6 +278,27 @@ TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
   expect_refused(insert_into(inward, {"--bone"}), {"--bone", "inward.off", "its normals point inward"});
 }
 
+TEST_F(InsertCommand, TakesAMesh) {
+  const std::string block = write("block.off",
+                                  "OFF\n4 4 0\n-2 -2 0\n2 -2 0\n0 2 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n"
+                                  "3 2 0 3\n");
+  const Arguments along{"insert",   "--implant", block, "--mesh",           bone(), "--along", "0,0,-1",
+                        "--length", "10",        "-o",  path("removal.csv")};
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = along;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const Outcome outcome = with({"--on", "triangles"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("  proven cut         1\n"));
+  const std::vector<Row> rows = rows_of(path("removal.csv"));
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_NEAR(rows[3].distance.lo, 1.5, 0.01);  // the base stays so far above
+  expect_refused(with({"--certificate-file", path("proof.json")}), {"--certificate-file: ", "ways in of meshes"});
+  expect_refused(with({"--bone"}), {"--bone: ", "has a mesh, whose removed bone is not enclosed"});
+}
+
 TEST_F(InsertCommand, NamesFileAndLineOfABadPose) {
   const std::string poses = write("path.csv", "0,0,10,1,0,0,0\n0,0,3,0,0,0,0\n");
   expect_refused(insert({"--poses", poses, "-o", path("removal.csv")}), {"path.csv", "2"});
