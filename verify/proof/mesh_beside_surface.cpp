@@ -64,9 +64,9 @@ class Windings {
  public:
   explicit Windings(const MeshSolid& solid) : solid_(solid) {}
 
-  /// Precondition: no triangle is as near to the point as `free`, which is above 0.
+  /// Precondition: no triangle is nearer to the point than `free`, which is above 0.
   [[nodiscard]] std::optional<int> operator()(const Point& own, double free) {
-    const auto known =
+    const auto* const known =
         std::ranges::find_if(balls_, [&](const Ball& ball) { return distance_up(own, ball.centre) < ball.radius; });
     const std::optional<int> winding =
         known != balls_.end() ? std::optional(known->winding) : solid_.winding_number(precise(own));
