@@ -536,7 +536,7 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
   const std::string bent = places::example("bent_stem.json");
   expect_refused(
       run({"fit", "--any-side", "--mesh", mesh, "--gap", "2", "-o", fitted(), "--implant", bent, "--bound", "10"}),
-      {"--bound: " + bent + ": is known of unions of primitives without bends alone"});
+      {"--bound: " + bent + ": is known of unions of superquadrics without bends alone"});
   const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
       {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
   refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");
@@ -786,7 +786,7 @@ TEST_F(MeshFitCommand, ProvesThePoseThatItFinds) {
   EXPECT_EQ(summary["sizes"], json::array());
   EXPECT_DOUBLE_EQ(summary["size"], 4.0 * 4.0 * 12.0);
   EXPECT_GE(summary["surface"]["smallest_distance"]["lo"], 0.0);
-  EXPECT_LT(summary["surface"]["smallest_distance"]["hi"], 0.1) << "in contact with a wall";
+  EXPECT_LE(summary["surface"]["smallest_distance"]["hi"], 2.0 + 1e-9) << "no more than in the middle";
   const Outcome checked = check(path("proof.json"), path("fitted.json"));
   EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
   EXPECT_EQ(json::parse(checked.out)["sides"]["claims"],

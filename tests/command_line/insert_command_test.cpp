@@ -280,7 +280,7 @@ TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
 
 TEST_F(InsertCommand, TakesAMesh) {
   const std::string block = write("block.off",
-                                  "OFF\n4 4 0\n-2 -2 0\n2 -2 0\n0 2 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n"
+                                  "OFF\n4 4 0\n-4 -4 0\n4 -4 0\n0 4 0\n0 0 3\n3 0 2 1\n3 0 1 3\n3 1 2 3\n"
                                   "3 2 0 3\n");
   const Arguments along{"insert",   "--implant", block, "--mesh",           bone(), "--along", "0,0,-1",
                         "--length", "10",        "-o",  path("removal.csv")};
