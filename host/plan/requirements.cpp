@@ -314,7 +314,7 @@ constexpr double drawn_in = 0.97;
 /// The samples in the primitive's own frame, before its bend.
 std::array<Eigen::Vector3d, 7> unbent_samples_of(const Superquadric& solid) {
   // A taper moves the widest section along z and scales it (docs/mathematics.md §18, P of z = 0).
-  const double taper = verify::taper_coefficient<double>(solid.taper);
+  const auto taper = verify::taper_coefficient<double>(solid.taper);
   const Eigen::Vector3d section(0.0, 0.0, -taper * solid.semi_axes[2]);
   std::array<Eigen::Vector3d, 7> samples{Eigen::Vector3d::Zero()};
   for (int axis = 0; axis < 3; ++axis) {
@@ -348,6 +348,11 @@ std::vector<Point> samples_of(const Primitive& primitive) {
   return samples;
 }
 
+std::vector<Point> samples_of(const Candidate& candidate, std::size_t primitive) {
+  const Primitive& placed = candidate.primitives[primitive];
+  return placed.mesh ? samples_of(*candidate.meshes[primitive], placed.pose) : samples_of(placed);
+}
+
 }  // namespace
 
 SideRequirements::SideRequirements(const InsideTest& inside, std::span<const SurfaceSide> required)
@@ -357,9 +362,7 @@ std::size_t SideRequirements::misplaced(const Candidate& candidate) const {
   std::size_t count = 0;
   for (std::size_t k = 0; k < required_.size(); ++k) {
     if (required_[k] == SurfaceSide::any) continue;
-    const SolidMesh* const mesh = candidate.meshes.empty() ? nullptr : candidate.meshes[k].get();
-    for (const Point& sample :
-         mesh ? samples_of(*mesh, candidate.primitives[k].pose) : samples_of(candidate.primitives[k])) {
+    for (const Point& sample : samples_of(candidate, k)) {
       if ((*inside_)(sample) != (required_[k] == SurfaceSide::inside)) ++count;
     }
   }
