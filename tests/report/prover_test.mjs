@@ -37,13 +37,33 @@ function randomNumbers(seed) {
   };
 }
 
-// About the boxes of the primitives, as far out as they are large, more of them within.
+// A point about the box of a primitive, as far out as it is large, more of them within; of meshes some on the surface
+// or beside it.
+function localPoint({ semiAxes, mesh }, k, random) {
+  const reach = k % 3 === 0 ? 2 : 1;
+  if (!mesh) return semiAxes.map((a) => reach * a * (2 * random() - 1));
+  const corner = (n) => [...mesh.vertices.slice(3 * n, 3 * n + 3)];
+  if (k % 5 === 1) return corner(mesh.triangles[k % mesh.triangles.length]);
+  if (k % 5 === 2) {
+    const first = 3 * (k % (mesh.triangles.length / 3));
+    const [a, b, c] = [0, 1, 2].map((i) => corner(mesh.triangles[first + i]));
+    return a.map((x, i) => x / 2 + b[i] / 4 + c[i] / 4 + (k % 10 === 2 ? 0 : 1e-9 * (random() - 0.5)));
+  }
+  const ends = (take) => [0, 1, 2].map((i) => take(...mesh.vertices.filter((_, n) => n % 3 === i)));
+  const [lower, upper] = [ends(Math.min), ends(Math.max)];
+  if (k % 5 === 3) {
+    // Rays along x from there pass through a corner.
+    const [, y, z] = corner(mesh.triangles[k % mesh.triangles.length]);
+    return [lower[0] + (upper[0] - lower[0]) * random(), y, z];
+  }
+  return lower.map((least, i) => (least + upper[i]) / 2 + (reach * (upper[i] - least) * (2 * random() - 1)) / 2);
+}
+
 function pointsAbout(model, count, random) {
   const { primitives } = model;
   return Array.from({ length: count }, (_, k) => {
-    const { semiAxes, translation, quaternion } = primitives[k % primitives.length];
-    const reach = k % 3 === 0 ? 2 : 1;
-    const local = semiAxes.map((a) => reach * a * (2 * random() - 1));
+    const { translation, quaternion } = primitives[k % primitives.length];
+    const local = localPoint(primitives[k % primitives.length], Math.floor(k / primitives.length), random);
     return turned(quaternion, local).map((coordinate, axis) => coordinate + translation[axis]);
   });
 }
@@ -70,7 +90,39 @@ const format = "verisq-model/1";
 const slender = { semi_axes: [0.5, 0.7, 2], exponents: [0.7, 0.4] };
 const sheath = { semi_axes: [3, 2.5, 9], exponents: [0.3, 1.2] };
 
+// A torus, whose triangles are long and thin where it is narrow, and the same turned inward about a second one.
+function torus(radius, thickness, [around, along], first = 0) {
+  const angle = (k, count) => (2 * Math.PI * k) / count;
+  const vertices = [];
+  const triangles = [];
+  for (let i = 0; i < around; ++i) {
+    for (let j = 0; j < along; ++j) {
+      const out = radius + thickness * Math.cos(angle(j, along));
+      vertices.push([out * Math.cos(angle(i, around)), out * Math.sin(angle(i, around)), thickness * Math.sin(angle(j, along))]);
+      const at = (a, b) => first + (a % around) * along + (b % along);
+      const [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+      triangles.push([p, q, r], [p, r, s]);
+    }
+  }
+  return { vertices, triangles };
+}
+function nested() {
+  const [outer, inner] = [torus(5, 2, [9, 7]), torus(5, 1, [7, 5], 63)];
+  return {
+    vertices: [...outer.vertices, ...inner.vertices],
+    triangles: [...outer.triangles, ...inner.triangles.map(([a, b, c]) => [a, c, b])],
+  };
+}
+const crossing = () => ({ ...torus(1, 2, [11, 8]) }); // through itself
+
 const models = {
+  "torus.json": JSON.stringify({ format, primitives: [{ name: "ring", mesh: torus(5, 2, [13, 8]) }] }),
+  "nested.json": JSON.stringify({ format, primitives: [{ name: "pipe", mesh: { ...nested(), scale: 0.1 }, pose }] }),
+  "crossing.json": JSON.stringify({ format, primitives: [{ name: "apple", mesh: crossing(), pose }] }),
+  "ring_and_head.json": JSON.stringify({
+    format,
+    primitives: [{ name: "ring", mesh: torus(5, 2, [13, 8]) }, ball("head", 3, [5, 1, 1])],
+  }),
   "bent_tapered_stem.json": readFileSync(join(examples, "bent_tapered_stem.json"), "utf8"),
   "bent_stem.json": readFileSync(join(examples, "bent_stem.json"), "utf8"),
   "tapered_stem.json": readFileSync(join(examples, "tapered_stem.json"), "utf8"),
@@ -119,7 +171,7 @@ function csvOf(rows) {
 }
 
 const pointOf = (row, what) =>
-  row[`${what}_x`] ? ["x", "y", "z"].map((axis) => Number(row[`${what}_${axis}`])) : null;
+  String(row[`${what}_x`] ?? "") ? ["x", "y", "z"].map((axis) => Number(row[`${what}_${axis}`])) : null;
 
 function normalsOf(row) {
   const first = row.primitive ? [{ primitive: Number(row.primitive), vector: pointOf(row, "normal") }] : [];
