@@ -110,7 +110,8 @@ Json meshes(const Model& model) {
     }
     std::vector<std::uint32_t> corners;
     for (const auto& triangle : primitive.mesh->triangles) append(corners, triangle);
-    result.push_back({{"vertices", column_text(vertices(*primitive.mesh))}, {"triangles", column_text(std::move(corners))}});
+    result.push_back(
+        {{"vertices", column_text(vertices(*primitive.mesh))}, {"triangles", column_text(std::move(corners))}});
   }
   return result;
 }
