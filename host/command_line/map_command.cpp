@@ -372,6 +372,7 @@ void draw(const UncertainModel& model, const Mesh& mesh, const ShownRows& rows, 
                            .summary = report_lines(report, model, arguments),
                            .area_names = {},
                            .area_of = {},
+                           .solid_name = "model",
                            .proof = proof_of(rows, arguments)});
 }
 
