@@ -6,6 +6,9 @@ import { inside, open, outside } from "./set_tree.js";
 import { TriangleTree, pointAt, sharesOfClosest } from "./triangle_tree.js";
 import { WindingNumber, requireClosed } from "./winding_number.js";
 
+// Numbers near the intervals.
+const thin = (v) => v.map(({ lo }) => ({ lo, hi: lo }));
+
 export class PlacedMesh {
   constructor(intervals, { mesh, translation, quaternion }) {
     requireClosed(mesh);
@@ -74,27 +77,82 @@ export class PlacedMesh {
   distance(query) {
     const { reals } = this.intervals;
     const first = this.tree.triangles[this.tree.nearest(query.middle)];
-    let hi = this.upperOf(query, first, sharesOfClosest(query.middle, first));
+    let hi = this.upperOf(query, first, this.proposal(query, first));
     let lo = reals.infinity;
     const near = [];
     for (const triangle of this.tree.within(query, reals.toNumber(reals.mul(hi, hi, up), up))) {
       const corners = this.tree.triangles[triangle];
-      const shares = sharesOfClosest(query.middle, corners);
-      if (lowerInBinary64(query.middle, corners, shares) - reals.toNumber(query.displacement, up) > reals.toNumber(hi, up))
-        continue;
+      const least = lowerInBinary64(query.middle, corners) - reals.toNumber(query.displacement, up);
+      if (least > reals.toNumber(hi, up)) continue;
+      const proposal = this.proposal(query, corners);
       near.push(triangle);
-      lo = reals.least(lo, this.lowerOf(query, corners, shares));
-      hi = reals.least(hi, this.upperOf(query, corners, shares));
+      lo = reals.least(lo, this.lowerOf(query, corners, proposal));
+      hi = reals.least(hi, this.upperOf(query, corners, proposal));
     }
     return { lo: near.length > 0 ? reals.least(lo, hi) : reals.zero, hi, near };
   }
 
-  // By the point of the triangle that has these shares: what is divided by their sum is exactly in it.
-  upperOf({ at }, corners, shares) {
+  point(v) {
+    return v.map((x) => this.intervals.exact(x));
+  }
+
+  // Shares of the corners in the point that is closest, about, and the way from there: proposals, which prove nothing.
+  proposal({ at }, corners) {
+    const q = thin(at);
+    const [a, b, c] = corners.map((v) => this.point(v));
+    return this.onFace(q, a, b, c) ?? this.onSides(q, [a, b, c]);
+  }
+
+  // null where the foot on the plane lies beside the triangle, about.
+  onFace(q, a, b, c) {
     const { intervals } = this;
     const { reals } = intervals;
-    const isUsable = shares.every((share) => share >= 0 && share < Infinity);
-    const [a, b, c] = (isUsable ? shares : [1, 1, 1]).map((share) => intervals.exact(share));
+    const [qa, qb, qc] = [a, b, c].map((v) => thin(intervals.difference(v, q)));
+    const way = thin(
+      this.cross(thin(intervals.difference(b, a)), thin(intervals.difference(c, a))),
+    );
+    const areas = [this.cross(qb, qc), this.cross(qc, qa), this.cross(qa, qb)].map((area) => intervals.dot(area, way).lo);
+    if (!areas.every((area) => reals.isBelow(reals.zero, area))) return null;
+    const isBehind = reals.isBelow(reals.zero, intervals.dot(way, qa).lo);
+    return {
+      shares: areas.map((area) => reals.toNumber(area, down)),
+      way: isBehind ? way.map((x) => intervals.negative(x)) : way,
+    };
+  }
+
+  // The shortest of the ways from the three sides.
+  onSides(q, corners) {
+    const { intervals } = this;
+    const { reals } = intervals;
+    const sides = [0, 1, 2].map((k) => {
+      const [from, to] = [corners[k], corners[(k + 1) % 3]];
+      const [along, fromFirst] = [thin(intervals.difference(to, from)), thin(intervals.difference(q, from))];
+      const square = intervals.dot(along, along);
+      const foot = reals.isBelow(reals.zero, square.lo)
+        ? reals.div(intervals.dot(fromFirst, along).lo, square.lo, down)
+        : reals.zero;
+      const share = reals.least(reals.greatest(foot, reals.zero), reals.one);
+      const way = thin(fromFirst.map((x, i) => intervals.sub(x, intervals.mul({ lo: share, hi: share }, along[i]))));
+      const shares = [0, 0, 0];
+      shares[(k + 1) % 3] = reals.toNumber(share, down);
+      shares[k] = reals.toNumber(reals.sub(reals.one, share, down), down);
+      return { shares, way, square: intervals.dot(way, way).lo };
+    });
+    return sides.reduce((best, side) => (reals.isBelow(side.square, best.square) ? side : best));
+  }
+
+  cross(u, v) {
+    const { intervals } = this;
+    const entry = (i, j) => intervals.sub(intervals.mul(u[i], v[j]), intervals.mul(u[j], v[i]));
+    return [entry(1, 2), entry(2, 0), entry(0, 1)];
+  }
+
+  // By the point of the triangle that has these shares: what is divided by their sum is exactly in it.
+  upperOf({ at }, corners, { shares }) {
+    const { intervals } = this;
+    const { reals } = intervals;
+    if (!shares.every((share) => share >= 0 && share < Infinity)) return reals.infinity;
+    const [a, b, c] = this.point(shares);
     const sum = intervals.sum([a, b, c]);
     if (!reals.isBelow(reals.zero, sum.lo)) return reals.infinity;
     const way = [0, 1, 2].map((k) => {
@@ -105,67 +163,23 @@ export class PlacedMesh {
     return intervals.length(way).hi;
   }
 
-  // The best that the normal of the face, of the proposed side or corner, and the way to the proposed point prove.
-  lowerOf(query, corners, shares) {
-    const { reals } = this.intervals;
-    const proposed = this.wayTo(query, corners, shares);
-    const direct = this.exactVector(pointAt(shares, corners).map((x, k) => query.middle[k] - x));
-    return reals.greatest(this.lowerBy(query, corners, proposed), this.lowerBy(query, corners, direct));
-  }
-
-  exactVector(v) {
-    return v.every(Number.isFinite) ? v.map((x) => this.intervals.exact(x)) : null;
-  }
-
-  // A vector of numbers, about at right angles to the face or side, towards the point; any would do.
-  wayTo({ at, middle }, corners, shares) {
+  // min n.(q - v) / |n| over the corners v, with the way as n, rounded down; 0 where that proves nothing.
+  lowerOf({ at }, corners, { way }) {
     const { intervals } = this;
     const { reals } = intervals;
-    const point = (v) => v.map((x) => intervals.exact(x));
-    const thin = (v) => v.map(({ lo }) => ({ lo, hi: lo }));
-    const used = corners.filter((_, k) => shares[k] > 0).map(point);
-    const fromFirst = thin(intervals.difference(at, used[0] ?? point(corners[0])));
-    if (used.length < 2) return fromFirst;
-    const along = thin(intervals.difference(used[1], used[0]));
-    if (used.length === 2) {
-      const square = intervals.dot(along, along);
-      if (!reals.isBelow(reals.zero, square.lo)) return null;
-      const share = thin([intervals.div(intervals.dot(fromFirst, along), square)])[0];
-      return thin(fromFirst.map((x, k) => intervals.sub(x, intervals.mul(share, along[k]))));
-    }
-    const other = thin(intervals.difference(used[2], used[0]));
-    const product = (i, j) => intervals.sub(intervals.mul(along[i], other[j]), intervals.mul(along[j], other[i]));
-    const normal = thin([product(1, 2), product(2, 0), product(0, 1)]);
-    return intervals.isNegative(intervals.dot(normal, fromFirst)) ? normal.map((x) => intervals.negative(x)) : normal;
-  }
-
-  // min n.(q - v) / |n| over the corners v, rounded down; 0 where that proves nothing.
-  lowerBy({ at }, corners, n) {
-    const { intervals } = this;
-    const { reals } = intervals;
-    if (!n) return reals.zero;
-    const length = intervals.length(n);
-    if (!reals.isBelow(reals.zero, length.lo)) return reals.zero;
-    const heights = corners.map(
-      (v) =>
-        intervals.dot(
-          n,
-          intervals.difference(
-            at,
-            v.map((x) => intervals.exact(x)),
-          ),
-        ).lo,
-    );
+    const length = intervals.length(way);
+    const heights = corners.map((v) => intervals.dot(way, intervals.difference(at, this.point(v))).lo);
     const least = heights.reduce((a, b) => reals.least(a, b));
-    return reals.isBelow(reals.zero, least) ? reals.div(least, length.hi, down) : reals.zero;
+    if (!reals.isBelow(reals.zero, length.lo) || !reals.isBelow(reals.zero, least)) return reals.zero;
+    return reals.div(least, length.hi, down);
   }
 }
 
-// The same bound by the way to the proposed point, in binary64, from the middle; 0 where it proves nothing. Let u be
+// The same bound by the way to a point that binary64 proposes, in binary64, from the middle; 0 where it proves nothing. Let u be
 // 2^-53. A difference, a product and two sums round by 4 u of |n| times the sum of a difference's components, root and
 // quotient by 4 u more: 2^-46 of that sum is a good deal more. Nothing that matters underflows.
-function lowerInBinary64(q, corners, shares) {
-  const n = pointAt(shares, corners).map((x, k) => q[k] - x);
+function lowerInBinary64(q, corners) {
+  const n = pointAt(sharesOfClosest(q, corners), corners).map((x, k) => q[k] - x);
   const square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   let [least, longest] = [Infinity, 0];
   for (const v of corners) {

@@ -3,8 +3,7 @@ const mostInLeaf = 4;
 const inner = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 const minus = (u, v) => [u[0] - v[0], u[1] - v[1], u[2] - v[2]];
 
-// Shares of the corners in the point of the triangle that is closest to q, about: none is negative, one is positive. A
-// share is 0 exactly where the point is proposed to lie on a side or at a corner (Ericson, Real-Time Collision
+// Shares of the corners in the point of the triangle that is closest to q, about (Ericson, Real-Time Collision
 // Detection, 2005, section 5.1.5).
 export function sharesOfClosest(q, [a, b, c]) {
   const [ab, ac, aq] = [minus(b, a), minus(c, a), minus(q, a)];
