@@ -142,9 +142,6 @@ void refuse_what_has_no_certificates(const FitProblem& problem, const FitArgumen
   if (!arguments.contact_certificate.empty())
     refuse(
         fmt::format("--contact-certificate-file: {} has a mesh, and only superquadrics have one: leave it out", name));
-  if (arguments.certificates && !arguments.report.html.empty())
-    refuse(
-        fmt::format("--report with --certificates: {} has a mesh, of which the page proves nothing: give --map", name));
 }
 
 MapContents contents_of(const FitArguments& arguments) {

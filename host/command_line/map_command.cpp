@@ -140,10 +140,6 @@ void refuse_what_meshes_lack(const Model& model, const MapArguments& arguments) 
     refuse_option("--certificates with --on triangles",
                   "distances to meshes have certificates for points alone so far");
   if (arguments.method == Method::published) refuse_option("--method published", "not supported for meshes");
-  if (arguments.certificates && !arguments.report.html.empty()) {
-    refuse_option("--report with --certificates",
-                  "the page cannot prove distances to meshes: give -o map.csv --certificates for `verisq check`");
-  }
 }
 
 /// The library refuses the same without naming file and option.
@@ -376,6 +372,7 @@ void draw(const UncertainModel& model, const Mesh& mesh, const ShownRows& rows, 
                            .summary = report_lines(report, model, arguments),
                            .area_names = {},
                            .area_of = {},
+                           .solid_name = "model",
                            .proof = proof_of(rows, arguments)});
 }
 

@@ -15,6 +15,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+#include <verisq/certificate_file.hpp>
+#include <verisq/files.hpp>
 #include <verisq/report.hpp>
 
 #include "host/files/input_file.hpp"
@@ -75,8 +77,8 @@ std::string sha256_of(const std::filesystem::path& path) {
   return hash.digest();
 }
 
-template <std::size_t size>
-void append(std::vector<double>& numbers, const std::array<double, size>& more) {
+template <class Number, std::size_t size>
+void append(std::vector<Number>& numbers, const std::array<Number, size>& more) {
   numbers.insert(numbers.end(), more.begin(), more.end());
 }
 
@@ -95,6 +97,23 @@ Json poses(const Report& report) {
     append(numbers, primitive.pose.quaternion);
   }
   return column_text(std::move(numbers));
+}
+
+/// As they were read, by primitive; null where no primitive is a mesh.
+Json meshes(const Model& model) {
+  if (!has_mesh(model)) return nullptr;
+  Json result = Json::array();
+  for (const Primitive& primitive : model.primitives) {
+    if (!primitive.mesh) {
+      result.push_back(nullptr);
+      continue;
+    }
+    std::vector<std::uint32_t> corners;
+    for (const auto& triangle : primitive.mesh->triangles) append(corners, triangle);
+    result.push_back(
+        {{"vertices", column_text(vertices(*primitive.mesh))}, {"triangles", column_text(std::move(corners))}});
+  }
+  return result;
 }
 
 /// Points that some rows have.
@@ -158,8 +177,11 @@ Json columns_of(std::span<const Certificate> certificates) {
 Json proof_data(const Report& report) {
   if (!report.proof) return nullptr;
   const ReportProof& proof = *report.proof;
-  return {{"model", text_of(proof.model_file)},
+  const bool is_text = !is_mesh_name(proof.model_file);
+  return {{"model", is_text ? Json(text_of(proof.model_file)) : Json(nullptr)},
           {"model_name", proof.model_file.filename().string()},
+          {"model_sha256", subject_file(proof.model_file).sha256},
+          {"meshes", meshes(report.implant)},
           {"mesh_name", proof.mesh_file.filename().string()},
           {"mesh_sha256", sha256_of(proof.mesh_file)},
           {"poses", poses(report)},

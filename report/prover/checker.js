@@ -2,6 +2,7 @@
 import { Intervals } from "./intervals.js";
 import { Neighbourhood } from "./neighbourhood.js";
 import { PlacedBent } from "./placed_bent.js";
+import { PlacedMesh } from "./placed_mesh.js";
 import { PlacedSuperquadric } from "./placed_superquadric.js";
 import { down, up } from "./real_numbers.js";
 import { inside, normalForm, outside, placeOf } from "./set_tree.js";
@@ -10,6 +11,7 @@ const isFinite3 = (v) => v.every(Number.isFinite);
 const isUsable = (vector) => isFinite3(vector) && vector.some((component) => component !== 0);
 
 function placedIn(intervals, primitive) {
+  if (primitive.mesh) return new PlacedMesh(intervals, primitive);
   return primitive.bend ? new PlacedBent(intervals, primitive) : new PlacedSuperquadric(intervals, primitive);
 }
 
@@ -22,6 +24,7 @@ export class Checker {
     this.primitives = primitives.map((primitive) => placedIn(this.intervals, primitive));
     if (reals.failed()) throw new Error("the model's numbers leave the range of the arithmetic");
     this.isUnion = isUnion;
+    this.hasMesh = primitives.some(({ mesh }) => mesh); // its distances need no covers
     this.trees = { [outside]: normalForm(set), [inside]: normalForm(set, true) }; // what the place has nothing of
   }
 
@@ -58,7 +61,7 @@ export class Checker {
         .map(({ primitive, vector }) => ({ primitive, v: isUsable(vector) ? exact(vector) : null })),
       escape: escape && isFinite3(escape) ? exact(escape) : null,
       witness: witness && isFinite3(witness) ? exact(witness) : null,
-      cover: radius === 0 ? cover : [], // cells are exact where the ball's radius is a binary64 number
+      cover: radius === 0 && !this.hasMesh ? cover : [], // cells are exact where the ball's radius is a binary64 number
     };
     // Of the given point, rounded outward to binary64, as enclosures are.
     const lower = this.lower(query, wanted.lo);
@@ -101,8 +104,10 @@ export class Checker {
 
   upperByNormals({ local, normals }, claimed) {
     const { reals } = this;
-    let least = reals.infinity;
+    const meshes = this.isUnion ? this.primitives.map((solid, k) => solid.upperAlone?.(local[k])) : [];
+    let least = meshes.filter(Boolean).reduce((a, b) => reals.least(a, b), reals.infinity);
     for (const { primitive, v } of this.isUnion ? normals : []) {
+      if (this.primitives[primitive].upperAlone) continue;
       least = reals.least(least, this.upperOfOne(this.primitives[primitive], local[primitive], v, claimed));
       if (reals.isAtMost(least, claimed)) break;
     }

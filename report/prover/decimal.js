@@ -10,7 +10,7 @@ export function nearestBinary64(text) {
 const view = new DataView(new ArrayBuffer(8));
 
 // A finite binary64 number is significand * 2^exponent.
-function partsOf(number) {
+export function partsOf(number) {
   view.setFloat64(0, number);
   const bits = view.getBigUint64(0);
   const exponent = Number((bits >> 52n) & 0x7ffn);

@@ -8,7 +8,8 @@ export class CannotProve extends Error {}
 
 const keys = {
   model: ["format", "units", "primitives", "csg", "landmarks", "areas"],
-  primitive: ["name", "superquadric", "bend", "pose"],
+  primitive: ["name", "superquadric", "mesh", "bend", "pose"],
+  mesh: ["file", "vertices", "triangles", "scale"],
   superquadric: ["semi_axes", "exponents", "taper"],
   bend: ["curvature", "angle_deg"],
   pose: ["translation", "quaternion"],
@@ -59,8 +60,36 @@ function bend(value) {
   return curvature === 0 ? null : { curvature, angleDegrees };
 }
 
-function primitive(value) {
+// A mesh of this text, or `read`, which verisq has read from the file that the text names.
+function mesh(value, read) {
+  const entries = object(value, "mesh");
+  if (entries.has("file")) {
+    if (!read) throw new Error("mesh: the page does not hold the mesh of the file");
+    return read;
+  }
+  const scale = entries.has("scale") ? number(entries.get("scale"), "scale") : 1;
+  const list = (key) => {
+    if (!Array.isArray(entries.get(key))) throw new Error(`mesh: no ${key}`);
+    return entries.get(key).flatMap((item) => numbers(item, 3, key));
+  };
+  return { vertices: list("vertices").map((x) => x * scale), triangles: list("triangles") };
+}
+
+function requireMesh({ vertices, triangles }) {
+  const count = vertices.length / 3;
+  if (!vertices.every(Number.isFinite)) throw new Error("mesh: a vertex is not finite");
+  if (triangles.length === 0) throw new Error("mesh: no triangles");
+  if (!triangles.every((n) => Number.isInteger(n) && n >= 0 && n < count)) throw new Error("mesh: no such vertex");
+}
+
+function primitive(value, read) {
   const entries = object(value, "primitive");
+  if (entries.has("mesh")) {
+    if (entries.has("superquadric") || entries.has("bend")) throw new Error("mesh: there is another solid beside it");
+    const solid = { name: entries.get("name"), mesh: mesh(entries.get("mesh"), read), ...pose(entries.get("pose")) };
+    requireMesh(solid.mesh);
+    return solid;
+  }
   return {
     name: entries.get("name"),
     ...superquadric(entries.get("superquadric")),
@@ -88,21 +117,31 @@ const primitivesIn = (set) => (typeof set === "number" ? [set] : set.operands.fl
 
 // Of lengths; empty where the model does not say.
 export function unitsOf(text) {
+  if (text === null) return "";
   return object(parseJson(text.replace(/^\ufeff/, "")), "model").get("units") ?? "";
 }
 
+// A mesh file as a model.
+function modelOfMesh(mesh) {
+  requireMesh(mesh);
+  return { primitives: [{ name: "mesh", mesh, ...pose() }], set: 0, isUnion: true };
+}
+
 // { primitives: [{ name, semiAxes, exponents, taper, bend, translation, quaternion }, ...], set, isUnion }: whether the
-// set is the union of all primitives.
-export function modelOf(text) {
+// set is the union of all primitives. A primitive may have `mesh` in place of the four. `meshes` are those of files, by
+// primitive; the text is null where a mesh file is the model.
+export function modelOf(text, meshes = null) {
+  if (text === null) return modelOfMesh(meshes[0]);
   const entries = object(parseJson(text.replace(/^\ufeff/, "")), "model");
   if (entries.get("format") !== "verisq-model/1") throw new Error("the model's format is not verisq-model/1");
   const list = entries.get("primitives");
   if (!Array.isArray(list) || list.length === 0) throw new Error("the model has no primitives");
-  const primitives = list.map(primitive);
+  const primitives = list.map((item, k) => primitive(item, meshes?.[k]));
   const names = primitives.map(({ name }) => name);
   if (new Set(names).size !== names.length) throw new Error("the model's primitives do not have different names");
   const all = { operation: "union", operands: [...primitives.keys()] };
   const set = entries.has("csg") ? setOf(entries.get("csg"), names) : all;
   const isUnion = isTreeOfUnions(set) && new Set(primitivesIn(set)).size === primitives.length;
+  if (!isUnion && primitives.some(({ mesh }) => mesh)) throw new CannotProve("set operations with meshes");
   return { primitives, set, isUnion };
 }

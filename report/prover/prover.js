@@ -36,7 +36,7 @@ class Prover {
     if (!(typeof pointRadius === "number" && pointRadius >= 0 && pointRadius < Infinity))
       throw new Error("point_radius: not a number of at least 0");
     if (unitsOf(proof.model) !== proof.units) throw new Error("units: not those of the model's text");
-    this.checker = new Checker(reals, placed(modelOf(proof.model), proof.poses));
+    this.checker = new Checker(reals, placed(modelOf(proof.model, proof.meshes), proof.poses));
     this.escapeOf = pointsOf(proof.escaping, proof.escapes);
     this.witnessOf = pointsOf(proof.witnessing, proof.witnesses);
   }

@@ -50,6 +50,20 @@ function requireRising(ends, name) {
   if (!ends.every((end, row) => end >= (ends[row - 1] ?? 0))) throw new BrokenReport(`${name}: falls`);
 }
 
+// Of files, by primitive; null where no primitive is one.
+function meshesOf(meshes) {
+  return (
+    meshes &&
+    meshes.map(
+      (mesh, k) =>
+        mesh && {
+          vertices: numbersOf(mesh.vertices, Float64Array, undefined, `proof.meshes[${k}].vertices`),
+          triangles: numbersOf(mesh.triangles, Uint32Array, undefined, `proof.meshes[${k}].triangles`),
+        },
+    )
+  );
+}
+
 // `verisqProver.proverOf` takes it, with the claims: vertices, and certificates as the model's text says.
 function proofOf(proof, report, positions, claims) {
   const { certificates } = proof;
@@ -66,6 +80,8 @@ function proofOf(proof, report, positions, claims) {
   return {
     ...claims,
     model: proof.model,
+    modelSha256: proof.model_sha256,
+    meshes: meshesOf(proof.meshes),
     units: report.units,
     modelName: proof.model_name,
     meshName: proof.mesh_name,

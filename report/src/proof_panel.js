@@ -11,21 +11,46 @@ const withoutProof =
   "This page holds no certificates: it shows what verisq has proven, and cannot prove it again. Pages of " +
   "verisq map --certificates --report can.";
 
-function offer({ meshName, modelName }) {
+// A mesh needs no certificate: the checker has its triangles.
+function offer({ meshName, modelName, meshes }) {
+  const held = meshes ? "the vertices, and the model with its meshes" : "the vertices, the model and for every vertex a certificate";
   return (
-    `This page holds the vertices, the model and for every vertex a certificate: verisq's result for ${meshName} and ` +
-    `${modelName} can be proven again here, by a checker that shares no code with verisq.`
+    `This page holds ${held}: verisq's result for ${meshName} and ${modelName} can be proven again here, by a checker ` +
+    "that shares no code with verisq."
   );
+}
+
+function modelInWords({ model, meshes }) {
+  if (model === null) return "the closed mesh in this page";
+  return meshes ? "the model whose text and meshes are in this page" : "the model whose text is in this page";
+}
+
+// Which hash the reader compares, and of what.
+function hashOfModel({ model, modelName, modelSha256, meshes }) {
+  if (!meshes) return [`${modelName}, SHA-256 of the text in this page`, sha256(model)];
+  const files = model === null ? "the file" : "the file and, behind it, of the mesh files that it names";
+  return [`${modelName}, SHA-256 of ${files}, as verisq read them`, modelSha256];
+}
+
+function ownershipOfModel({ modelName, meshes }) {
+  return meshes
+    ? `that the model and its meshes are those of ${modelName}, whose SHA-256 verisq has written down below`
+    : `that the model is yours (the SHA-256 of its text, below, is that of ${modelName})`;
 }
 
 function meaning(report) {
   const { proof, units } = report;
   const radius = proof.pointRadius > 0 ? `any point within ${withUnits(String(proof.pointRadius), units)} of ` : "";
-  const { modelName, meshName } = proof;
+  const { meshName } = proof;
   return [
     `A green vertex: the exact signed distance of ${radius}the vertex, with the coordinates in this page bit for bit, ` +
-      "to the model whose text is in this page lies in [lo, hi]. Red: it is proven not to. Yellow: the certificate " +
-      "does not decide.",
+      `to ${modelInWords(proof)} lies in [lo, hi]. Red: it is proven not to. Yellow: that is not decided.`,
+    ...(proof.meshes
+      ? [
+          "Inside a closed mesh the distance is minus the distance to its surface. Where triangles of the mesh cross " +
+            "each other, a point may lie deeper than that.",
+        ]
+      : []),
     ...(proof.poses
       ? [
           "The primitives stand where this page says that --pose has moved them, and not where the model's text has " +
@@ -36,8 +61,7 @@ function meaning(report) {
       "docs/mathematics.md. Nothing of how verisq found its result matters.",
     "Trusted: this browser and machine; MPFR, compiled to WebAssembly; this page's own scripts. Who may have changed " +
       "the page may have changed its checker, too: then take a page, or a checker, from a source that you trust.",
-    `Trusted, or compared by you: that the model is yours (the SHA-256 of its text, below, is that of ${modelName}), ` +
-      `and that the vertices are those of your ${meshName}, whose SHA-256 verisq has written down` +
+    `Trusted, or compared by you: ${ownershipOfModel(proof)}, and that the vertices are those of your ${meshName}, whose SHA-256 verisq has written down` +
       `${proof.poses ? "; and where --pose has moved the model" : ""}.`,
     "Not proven: the drawing of the model, the colours between vertices, the status, and the table below, which is " +
       "verisq's own summary. The counts and the smallest distance under Proven follow from the intervals.",
@@ -64,7 +88,7 @@ export class ProofPanel {
     const { proof } = this.report;
     byId("proof-meaning").replaceChildren(...meaning(this.report).map((text) => element("li", {}, text)));
     const files = [
-      [`${proof.modelName}, SHA-256 of the text in this page`, sha256(proof.model)],
+      hashOfModel(proof),
       [`${proof.meshName}, SHA-256 of the file that verisq read`, proof.meshSha256],
     ];
     byId("proof-files").replaceChildren(

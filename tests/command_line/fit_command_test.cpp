@@ -819,7 +819,6 @@ TEST_F(MeshFitCommand, NeverProvesAForgery) {
 }
 
 TEST_F(MeshFitCommand, RefusesWhatIsNotKnownOfMeshes) {
-  const std::string report = path("page.html");
   expect_refused(fit_block({"--bound", "5"}), {"--bound: ", "known of unions of superquadrics without bends alone"});
   expect_refused(fit_block({"--implant-contact"}), {"--implant-contact: ", "block.off has a mesh", "--keep contact"});
   expect_refused(fit_block({"--keep", "implant_contact=1,100"}), {"block.off has a mesh"});
@@ -827,7 +826,6 @@ TEST_F(MeshFitCommand, RefusesWhatIsNotKnownOfMeshes) {
   expect_refused(fit_block({"--surface-map", path("surface.csv")}), {"--surface-map: ", "give --map"});
   expect_refused(fit_block({"--contact-certificate-file", path("contact.json")}),
                  {"--contact-certificate-file: ", "has a mesh"});
-  expect_refused(fit_block({"--report", report, "--certificates"}), {"--report with --certificates: ", "give --map"});
 }
 
 }  // namespace

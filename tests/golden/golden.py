@@ -4,7 +4,7 @@
 golden.py BUILD [--write]: BUILD is the folder of `verisq` and `verisq-check`. Runs
 
   * every answer of `./run certify`, its check, and both as JSON;
-  * the commands of README.md as printed;
+  * the commands of docs/commands.md as printed;
   * `--help` of every command;
   * requests that are refused, for their messages and exit statuses;
 
@@ -119,12 +119,12 @@ def certified(run: Run) -> None:
         run.printed(f"{name}_proved_in_words", "verisq-check", answer.check)
 
 
-def commands_of_readme(run: Run) -> None:
-    text = (root / "README.md").read_text(encoding="utf-8").replace("\\\n", "")
+def commands_of_document(run: Run) -> None:
+    text = (root / "docs/commands.md").read_text(encoding="utf-8").replace("\\\n", "")
     commands = re.findall(r"(?m)^build/release/(.*)$", text)
     for i, command in enumerate(commands):
         program, *arguments = shlex.split(command)
-        run.printed(f"readme_{i:02}", program, on_host(arguments) if program == "verisq" else arguments)
+        run.printed(f"command_{i:02}", program, on_host(arguments) if program == "verisq" else arguments)
 
 
 def help_texts(run: Run) -> None:

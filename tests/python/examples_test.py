@@ -1,4 +1,4 @@
-"""The examples do what they say, and README shows one of them as it is."""
+"""The examples and the tutorial do what they say, and README shows one of them as it is."""
 
 import importlib.util
 import inspect
@@ -39,11 +39,18 @@ class Examples(unittest.TestCase):
         self.assertLess(float(re.search(r"off by (\S+) at most", last)[1]), 1e-7)
 
     def test_readme_shows_the_first(self):
-        readme = (SOURCE / "README.md").read_text()
-        lines = (EXAMPLES / "python" / "map_points.py").read_text()
-        self.assertTrue("```python\n" + lines + "```" in readme, "README shows other lines than map_points.py")
-        self.assertRegex(output("map_points.py"), r"^\d{6} of 1000000 points are proven")
+        lines = (EXAMPLES / "python" / "first_map.py").read_text()
+        self.assertIn(f"```python\n{lines}```\n\n```text\n{output('first_map.py')}```\n", (SOURCE / "README.md").read_text())
 
+    def test_tutorial_prints_what_it_says(self):
+        text = (SOURCE / "docs" / "tutorial.md").read_text()
+        lines, printed = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```\n", text, re.DOTALL).groups()
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "examples").symlink_to(EXAMPLES)
+            stem = verisq.Model.load(EXAMPLES / "stem_mm.json")
+            verisq.mesh_of_model(stem, deviation=0.2).save(Path(folder, "implant.stl"))
+            run = subprocess.run([sys.executable, "-B", "-c", lines], capture_output=True, text=True, check=True, cwd=folder)
+        self.assertEqual(run.stdout, printed)
 
     @unittest.skipUnless(importlib.util.find_spec("meshio"), "meshio is not there")
     def test_bone_for_paraview(self):
@@ -91,10 +98,10 @@ class Examples(unittest.TestCase):
 
 
 class Documentation(unittest.TestCase):
-    def test_readme_names_what_there_is(self):
+    def test_commands_have_names_in_python(self):
         # A fit, an octree and a deviation: the tests of the commands beside them take that time already.
-        lines = re.findall(r"```python\n(.*?)```", (SOURCE / "README.md").read_text(), re.DOTALL)[1]
-        compile(lines, "README.md", "exec")
+        lines = re.findall(r"```python\n(.*?)```", (SOURCE / "docs" / "commands.md").read_text(), re.DOTALL)[0]
+        compile(lines, "commands.md", "exec")
         called = re.findall(r"verisq\.(\w+(?:\.\w+)?)\(", lines)
         self.assertGreater(len(called), 8)
         for name in called:

@@ -761,6 +761,40 @@ class ProvingReport(unittest.TestCase):
             if name == "bent":  # covers refute nothing
                 self.assertNotIn(" 0 refuted", result)
 
+    def test_closed_meshes_are_proved(self):
+        box = [f"{x} {y} {z}" for x in (-20, -8) for y in (-5, 5.5) for z in (-9, 9)]
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        corners = [f"3 {a} {b} {c}" for a, b, c in ((s[0], s[i], s[i + 1]) for s in sides for i in (1, 2))]
+        (self.folder / "box.off").write_text("\n".join(["OFF", "8 12 0", *box, *corners, ""]))
+        primitives = [{"name": "box", "mesh": {"file": "box.off"},
+                       "pose": {"translation": [0.5, 1, 2], "quaternion": [9, 0.1, -0.2, 0.3]}},
+                      self.model["primitives"][1]]
+        (self.folder / "box_and_ball.json").write_text(json.dumps(self.model | {"primitives": primitives}))
+        for model in ("box.off", "box_and_ball.json"):
+            page = self.written(self.folder / model, "mesh")
+            result, _ = self.prove(page)
+            self.assertTrue(result.startswith(f"All {len(self.rows)} vertices are proved, in "), f"{model}: {result}")
+            text = page.read_text()
+            report = json.loads(text.split('id="verisq-report">')[1].split("</script>")[0])
+            digest = hashlib.sha256((self.folder / model).read_bytes())
+            if model.endswith(".json"):
+                digest.update((self.folder / "box.off").read_bytes())
+            self.assertEqual(report["proof"]["model_sha256"], digest.hexdigest())
+
+            mesh = report["proof"]["meshes"][0]
+            vertices = list(struct.unpack("<24d", base64.b64decode(mesh["vertices"])))
+            vertices[0] -= 1e-6
+            mesh["vertices"] = encoded("d", vertices)
+            write_page(page, report)
+            result, _ = self.prove(page)
+            self.assertNotIn("All", result)
+            self.assertNotIn(" 0 refuted", result)
+
+            mesh["triangles"] = encoded("I", struct.unpack("<36I", base64.b64decode(mesh["triangles"]))[:-3])
+            write_page(page, report)
+            result, _ = self.prove(page)
+            self.assertIn("its surface is not closed", result)
+
     def test_no_number_of_the_page_weakens_the_claims(self):
         poses = encoded("d", [math.inf, 0, 0, 1, 0, 0, 0] * 2)
         for changes, words in (({"point_radius": -0.5}, "point_radius"), ({"poses": poses}, "poses")):

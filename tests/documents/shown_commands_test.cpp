@@ -1,5 +1,5 @@
-/// What README shows works: its commands as printed, the known answer of its fit, its code in the examples.
-/// VERISQ_FEMUR: the femur of the demo, where it is not build/demo/femur.off.
+/// What the documents show works: commands as printed, what the tutorial says that they print, the known answer of a
+/// fit, code in the examples. VERISQ_FEMUR: the femur of the demo, where it is not build/demo/femur.off.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,14 +26,14 @@ using ::testing::HasSubstr;
 
 const std::filesystem::path root = places::source();
 
-std::string readme() {
-  return contents(root / "README.md");
+std::string commands_document() {
+  return contents(root / "docs" / "commands.md");
 }
 
-/// The lines of its shell blocks that start one of the programs; a backslash joins a line to the next.
-std::vector<std::string> commands() {
+/// The lines of the shell blocks that start one of the programs; a backslash joins a line to the next.
+std::vector<std::string> commands_in(const std::string& document) {
   std::vector<std::string> result;
-  for (const std::string& block : fenced_blocks(readme(), "sh")) {
+  for (const std::string& block : fenced_blocks(document, "sh")) {
     std::istringstream lines(std::regex_replace(block, std::regex(R"(\\\n)"), ""));
     for (std::string line; std::getline(lines, line);) {
       if (line.starts_with("build/release/")) result.push_back(line);
@@ -43,10 +43,10 @@ std::vector<std::string> commands() {
 }
 
 std::string command_with(const std::string& words) {
-  for (const std::string& command : commands()) {
+  for (const std::string& command : commands_in(commands_document())) {
     if (command.find(words) != std::string::npos) return command;
   }
-  ADD_FAILURE() << "README has no command with " << words;
+  ADD_FAILURE() << "commands.md has no command with " << words;
   return "false";
 }
 
@@ -64,7 +64,7 @@ std::vector<double> numbers_after(const std::string& label, const std::string& s
 }
 
 /// A folder that looks as its reader's does: the built programs, the examples, and the bone of the demo.
-class Readme : public ProgramTest {
+class ShownCommands : public ProgramTest {
  protected:
   void SetUp() override {
     const std::filesystem::path folder = folder_.path();
@@ -92,9 +92,9 @@ class Readme : public ProgramTest {
   }
 };
 
-TEST_F(Readme, CommandsWorkAsPrinted) {
+TEST_F(ShownCommands, CommandsWorkAsPrinted) {
   add_bone();
-  const std::vector<std::string> all = commands();
+  const std::vector<std::string> all = commands_in(commands_document());
   EXPECT_GE(all.size(), 9U);
   for (const std::string& command : all) {
     const Outcome outcome = as_printed(command);
@@ -102,13 +102,13 @@ TEST_F(Readme, CommandsWorkAsPrinted) {
       EXPECT_EQ(outcome.status, 2) << command;
       EXPECT_THAT(outcome.err, HasSubstr("CGAL"));
     } else {
-      EXPECT_EQ(outcome.status, 0) << command << "\n" << outcome.err;  // README shows none that stays wide
+      EXPECT_EQ(outcome.status, 0) << command << "\n" << outcome.err;  // none is shown that stays wide
     }
   }
 }
 
-TEST_F(Readme, CommandsAreAllShownButOneOfDevices) {
-  const std::string text = readme();
+TEST_F(ShownCommands, CommandsAreAllShownButOneOfDevices) {
+  const std::string text = commands_document();
   static const std::regex row(R"(\n\| `([a-z]+)` \| )");
   std::size_t rows = 0;
   for (std::sregex_iterator match(text.begin(), text.end(), row); match != std::sregex_iterator(); ++match) {
@@ -121,7 +121,7 @@ TEST_F(Readme, CommandsAreAllShownButOneOfDevices) {
 }
 
 // F has 1 for each vertex at the gap, and all are where the implant's file places it: no pose is better.
-TEST_F(Readme, FitFindsTheKnownAnswer) {
+TEST_F(ShownCommands, FitFindsTheKnownAnswer) {
   constexpr double points = 786.0;
   const Outcome outcome = as_printed(command_with(" fit "));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -148,7 +148,7 @@ TEST_F(Readme, FitFindsTheKnownAnswer) {
   EXPECT_THAT(outcome.out, HasSubstr("kept, proven of the whole surface"));
 }
 
-TEST_F(Readme, FitBeginsElsewhere) {
+TEST_F(ShownCommands, FitBeginsElsewhere) {
   static const std::regex start(R"(--pose-start ([-0-9.]+),)");
   std::smatch match;
   const std::string command = command_with(" fit ");
@@ -156,7 +156,7 @@ TEST_F(Readme, FitBeginsElsewhere) {
   EXPECT_GT(std::abs(std::stod(match[1])), 1.0);
 }
 
-TEST_F(Readme, SurfaceIsClosed) {
+TEST_F(ShownCommands, SurfaceIsClosed) {
   if (!VERISQ_HAS_SURFACE) GTEST_SKIP() << "built without CGAL";
   const Outcome outcome = as_printed(command_with(" surface "));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -165,15 +165,33 @@ TEST_F(Readme, SurfaceIsClosed) {
   EXPECT_THAT(outcome.out, HasSubstr("genus 0\n"));
 }
 
-TEST_F(Readme, ShowsModelsThatAreRead) {
-  const std::vector<std::string> models = fenced_blocks(readme(), "json");
+TEST_F(ShownCommands, ShowsModelsThatAreRead) {
+  const std::vector<std::string> models = fenced_blocks(commands_document(), "json");
   ASSERT_FALSE(models.empty());
   for (const std::string& model : models) EXPECT_FALSE(read_model(write("shown.json", model)).primitives.empty());
 }
 
+// Each block of commands is followed by lines of what they print, or by the beginnings of such lines.
+TEST_F(ShownCommands, PrintWhatTheTutorialSays) {
+  const std::string tutorial = contents(root / "docs" / "tutorial.md");
+  static const std::regex shown(R"(```sh\n([^`]*)```\n\n```text\n([^`]*)```\n)");
+  std::size_t lines = 0;
+  for (std::sregex_iterator match(tutorial.begin(), tutorial.end(), shown); match != std::sregex_iterator(); ++match) {
+    std::string printed = "\n";
+    for (const std::string& command : commands_in("```sh\n" + (*match)[1].str() + "```\n")) {
+      const Outcome outcome = as_printed(command);
+      EXPECT_EQ(outcome.status, 0) << command << "\n" << outcome.err;
+      printed += outcome.out;
+    }
+    std::istringstream said((*match)[2]);
+    for (std::string line; std::getline(said, line); ++lines) EXPECT_THAT(printed, HasSubstr("\n" + line));
+  }
+  EXPECT_GE(lines, 10U);
+}
+
 /// Whether each block of `language` is the text of one of these files, or a part of it.
 void expect_contained(const std::string& language, const std::vector<std::filesystem::path>& files) {
-  const std::vector<std::string> blocks = fenced_blocks(readme(), language);
+  const std::vector<std::string> blocks = fenced_blocks(contents(root / "docs" / "library.md"), language);
   EXPECT_FALSE(blocks.empty()) << language;
   for (const std::string& block : blocks) {
     const bool contained = std::ranges::any_of(
@@ -183,7 +201,7 @@ void expect_contained(const std::string& language, const std::vector<std::filesy
 }
 
 // The examples themselves are built and run against the installed package: tests/consumer.
-TEST_F(Readme, ShowsCodeOfTheExamples) {
+TEST_F(ShownCommands, ShowsCodeOfTheExamples) {
   std::vector<std::filesystem::path> sources;
   for (const auto& entry : std::filesystem::directory_iterator(root / "examples" / "cpp")) {
     if (entry.path().extension() == ".cpp") sources.push_back(entry.path());
