@@ -77,7 +77,8 @@ Mesh cube() {
 Mesh dumbbell(double thickness) {
   Mesh mesh = torus_mesh(1.0, 0.0, 16, 12);  // rings; the numbers below place them
   for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
-    const double along = static_cast<double>(n / 12) / 15.0;  // from one end to the other
+    const std::size_t ring = n / 12;
+    const double along = static_cast<double>(ring) / 15.0;  // from one end to the other
     const double across = 2.0 * std::acos(-1.0) * static_cast<double>(n % 12) / 12.0;
     const double in_bead = std::max(0.0, 1.0 - std::pow((std::abs(along - 0.5) - 0.3) / 0.2, 2));
     const double radius = along == 0.0 || along == 1.0 ? 0.0 : std::max(thickness, 0.2 * std::sqrt(in_bead));
