@@ -1,9 +1,9 @@
-/// Finds certificates of penetration depths: hulls of differences, inner balls, and translations that part.
+/// Finds certificates of penetration depths: by hulls of differences first, then by the solids themselves.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -16,6 +16,7 @@
 #include "verify/proof/pair_checker.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/difference_hull.hpp"
+#include "verify/search/overlap.hpp"
 #include "verify/search/solid_distance.hpp"
 #include "verify/solids/model.hpp"
 
@@ -175,21 +176,12 @@ class ConvexDifference {
   long double pulled_in_ = least_pulled_in;
 };
 
-/// What the growing of a hull found.
-struct Grown {
-  double reach;
-  Vector direction;
-  double depth;
-  DifferenceHull::Surface surface;
-};
-
 }  // namespace
 
 }  // namespace verisq::verify
 
 namespace verisq {
 
-using verify::Grown;
 using verify::Vector;
 
 struct PenetrationDepth::State {
@@ -204,7 +196,12 @@ struct PenetrationDepth::State {
     return parts;
   }
 
-  [[nodiscard]] PenetrationCertificate certificate(const Pose& pose, const PenetrationOptions& options) const;
+  [[nodiscard]] static bool is_convex(const Model& model) {
+    return is_union_of_convex(model) && model.primitives.size() == 1;
+  }
+
+  [[nodiscard]] CertifiedPenetration certified(const Pose& pose, const PenetrationOptions& options) const;
+  [[nodiscard]] CertifiedPenetration without_what_proves_nothing(const Pose& pose, CertifiedPenetration found) const;
   void add_deepest_pair(const Pose& pose, const verify::DifferenceHull::Limits& limits,
                         PenetrationCertificate& result) const;
   [[nodiscard]] Point parting_direction(const Pose& pose, const verify::DifferenceHull::Limits& limits) const;
@@ -230,7 +227,7 @@ void PenetrationDepth::State::add_deepest_pair(const Pose& pose, const verify::D
       verify::DifferenceHull::Limits until = limits;
       until.enough = deepest;
       hull.grow(until);
-      if (a.primitives.size() == 1 && b.primitives.size() == 1) {
+      if (is_convex(a) && is_convex(b)) {
         const auto own = verify::ApproximateMotion<long double>::of_own_frame(a.primitives[i]);
         result.direction = verify::plain(own.direction(hull.direction()));
       }
@@ -255,20 +252,41 @@ Point PenetrationDepth::State::parting_direction(const Pose& pose,
   return verify::plain(hull.direction());
 }
 
-PenetrationCertificate PenetrationDepth::State::certificate(const Pose& pose,
-                                                            const PenetrationOptions& options) const {
+/// First by hulls alone; where these leave the depth open, by the solids themselves.
+CertifiedPenetration PenetrationDepth::State::certified(const Pose& pose, const PenetrationOptions& options) const {
+  const std::function<bool()> interrupted = [&] { return options.interrupted && options.interrupted(); };
   double size = std::max(bounding_radius(a), bounding_radius(b));
   for (const double t : pose.translation) size = std::max(size, std::fabs(t));
+  const double tolerance = std::max(options.tolerance, verify::finest_relative_tolerance * size);
   const verify::DifferenceHull::Limits limits{
-      .tolerance = std::max(options.tolerance / 2, verify::finest_relative_tolerance * size),
-      .enough = 0.0,
-      .facets = verify::most_facets,
-      .interrupted = [&] { return options.interrupted && options.interrupted(); }};
-  PenetrationCertificate result;
-  add_deepest_pair(pose, limits, result);
-  if (!(is_union_of_convex(a) && is_union_of_convex(b)) || a.primitives.size() > 1 || b.primitives.size() > 1)
-    result.direction = parting_direction(pose, limits);
-  return result;
+      .tolerance = tolerance / 2, .enough = 0.0, .facets = verify::most_facets, .interrupted = interrupted};
+  const bool are_convex = is_convex(a) && is_convex(b);
+  CertifiedPenetration result{};
+  PenetrationCertificate& certificate = result.certificate;
+  add_deepest_pair(pose, limits, certificate);
+  if (!are_convex) certificate.direction = parting_direction(pose, limits);
+  result.depth = checker.prove(pose, certificate);
+  if (result.depth.hi == 0.0 || verified(result.depth, tolerance) || interrupted()) return result;
+  verify::Overlap overlap(a, b, pose, size, interrupted);
+  const Point deep = overlap.deepest(options.common);
+  certificate.balls = overlap.balls_about(deep, tolerance / 4);
+  if (!are_convex) certificate.parting = overlap.parting(certificate.direction, result.depth.hi, deep);
+  return without_what_proves_nothing(pose, result);
+}
+
+/// Every part of the certificate costs a reader time.
+CertifiedPenetration PenetrationDepth::State::without_what_proves_nothing(const Pose& pose,
+                                                                          CertifiedPenetration found) const {
+  found.depth = checker.prove(pose, found.certificate);
+  const auto drop = [&](auto PenetrationCertificate::* part) {
+    PenetrationCertificate rest = found.certificate;
+    (rest.*part).reset();
+    if (checker.prove(pose, rest) == found.depth) found.certificate = std::move(rest);
+  };
+  drop(&PenetrationCertificate::balls);
+  drop(&PenetrationCertificate::surface);
+  drop(&PenetrationCertificate::parting);
+  return found;
 }
 
 PenetrationDepth::PenetrationDepth(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
@@ -279,9 +297,7 @@ PenetrationDepth& PenetrationDepth::operator=(PenetrationDepth&&) noexcept = def
 CertifiedPenetration PenetrationDepth::operator()(const Pose& pose, const PenetrationOptions& options) const {
   verify::require_valid(pose, "pose");
   verify::require_tolerance(options.tolerance);
-  CertifiedPenetration result{{}, state_->certificate(pose, options)};
-  result.depth = state_->checker.prove(pose, result.certificate);
-  return result;
+  return state_->certified(pose, options);
 }
 
 }  // namespace verisq

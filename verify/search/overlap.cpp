@@ -1,0 +1,165 @@
+/// This file implements overlap.hpp.
+#include "verify/search/overlap.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace verisq::verify {
+
+namespace {
+
+/// Distances and depths are asked for to this share of the size, and no step is shorter.
+constexpr double resolution = 0x1p-10;
+
+/// Of one parting: some milliseconds each.
+constexpr std::size_t most_distances = 120;
+
+/// Of one direction: until the way is known to a thirtieth.
+constexpr int halvings = 5;
+
+/// A direction is worth halving if this share of the best way parts the solids, too.
+constexpr double worthwhile = 0.97;
+
+/// Solids that are parted shall be so by more than roundings.
+constexpr double clearance = 0x1p-36;  // of the size
+
+Point scaled(const Point& x, double factor) {
+  return {x[0] * factor, x[1] * factor, x[2] * factor};
+}
+
+/// Of length 1; nothing for zero.
+std::optional<Point> unit(const Point& v) {
+  const double length = std::sqrt(dot(v, v));
+  return length > 0.0 ? std::optional(scaled(v, 1.0 / length)) : std::nullopt;
+}
+
+/// The 26 directions to the neighbours in a lattice of cubes.
+std::vector<Point> lattice_directions() {
+  std::vector<Point> directions;
+  for (int code = 0; code < 27; ++code) {
+    const Point v{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0};
+    if (const auto direction = unit(v)) directions.push_back(*direction);
+  }
+  return directions;
+}
+
+std::array<Point, 2> across(const Point& v) {
+  std::size_t least = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::fabs(v[k]) < std::fabs(v[least])) least = k;
+  Point axis{};
+  axis[least] = 1.0;
+  const Point first = *unit(cross(v, axis));
+  return {first, cross(v, first)};
+}
+
+Point middle(const EnclosedPoint& x) {
+  return {x[0].lo / 2 + x[0].hi / 2, x[1].lo / 2 + x[1].hi / 2, x[2].lo / 2 + x[2].hi / 2};
+}
+
+}  // namespace
+
+Overlap::Overlap(const Model& a, const Model& b, const Pose& pose, double size, std::function<bool()> interrupted)
+    : a_(a),
+      b_(b),
+      distances_(a, b, resolution * size),
+      pose_(pose),
+      motion_(pose),
+      size_(size),
+      interrupted_(std::move(interrupted)) {
+  for (const Primitive& primitive : a.primitives) centres_.push_back(primitive.pose.translation);
+  for (const Primitive& primitive : b.primitives) centres_.push_back(motion_.point(primitive.pose.translation));
+}
+
+double Overlap::depth(const Point& x) const {
+  const double tolerance = resolution * size_;
+  return -a_(x, tolerance, interrupted_).hi - b_(motion_.inverse_point(x), tolerance, interrupted_).hi;
+}
+
+Point Overlap::deepest(const std::optional<Point>& common) const {
+  std::vector<Point> starts = centres_;
+  if (common) starts.push_back(*common);
+  std::pair<double, Point> best{-infinity, starts.front()};
+  const auto offer = [&](const Point& x) {
+    const double found = depth(x);
+    if (!(found > best.first)) return false;
+    best = {found, x};
+    return true;
+  };
+  for (const Point& start : starts) offer(start);
+  for (double step = size_ / 4; step > resolution * size_ && !interrupted_(); step /= 2) {
+    for (std::size_t k = 0; k < 6; ++k) {
+      Point x = best.second;
+      x[k / 2] += k % 2 == 0 ? step : -step;
+      offer(x);
+    }
+  }
+  return best.second;
+}
+
+std::array<InnerBall, 2> Overlap::balls_about(const Point& x, double tolerance) const {
+  const auto ball = [&](const SignedDistance& solid, const Point& centre) {
+    CertifiedEnclosure found = solid.certified(centre, tolerance, interrupted_);
+    return InnerBall{centre, std::max(0.0, -found.distance.hi), std::move(found.certificate)};
+  };
+  return {ball(a_, x), ball(b_, motion_.inverse_point(x))};
+}
+
+CertifiedDistance Overlap::after(const Point& translation) {
+  Pose moved = pose_;
+  for (std::size_t k = 0; k < 3; ++k) moved.translation[k] += translation[k];
+  return distances_(moved, interrupted_);
+}
+
+bool Overlap::parts(const Point& translation) {
+  ++asked_;
+  return after(translation).distance.lo > clearance * size_;
+}
+
+/// Halves the way along the direction, as long as the shorter one parts the solids.
+bool Overlap::shorten(const Point& direction) {
+  const auto go_on = [this] { return asked_ < most_distances && !interrupted_(); };
+  double parting = worthwhile * way_;
+  if (!go_on() || !parts(scaled(direction, parting))) return false;
+  double overlapping = 0.0;
+  for (int k = 0; k < halvings && go_on(); ++k) {
+    const double half = overlapping / 2 + parting / 2;
+    (parts(scaled(direction, half)) ? parting : overlapping) = half;
+  }
+  best_ = direction;
+  way_ = parting;
+  return true;
+}
+
+void Overlap::turn_about_best() {
+  constexpr double least_turn = 0.01;
+  for (double turn = 0.5; turn > least_turn; turn /= 2) {
+    const auto sides = across(best_);
+    for (std::size_t k = 0; k < 4; ++k) shorten(*unit(along(best_, sides[k / 2], k % 2 == 0 ? turn : -turn)));
+  }
+}
+
+/// What of B lies in A leaves it by the nearest way out, or what of A lies in B does.
+std::optional<PartingTranslation> Overlap::parting(const Point& direction, double reach, const Point& deep) {
+  const auto forward = unit(direction);
+  if (!forward || !(reach > 0.0) || !std::isfinite(reach)) return std::nullopt;
+  best_ = *forward;
+  way_ = reach;
+  asked_ = 0;
+  const double tolerance = resolution * size_;
+  const Point in_b = motion_.inverse_point(deep);
+  const Point out_of_a = difference(middle(a_.closest_point(deep, tolerance, interrupted_).point), deep);
+  const Point out_of_b = difference(in_b, middle(b_.closest_point(in_b, tolerance, interrupted_).point));
+  std::vector<Point> directions = lattice_directions();
+  for (const Point& out : {*forward, out_of_a, motion_.direction(out_of_b)})
+    if (const auto way = unit(out)) directions.insert(directions.begin(), *way);
+  for (const Point& way : directions) shorten(way);
+  turn_about_best();
+  if (!(way_ < reach)) return std::nullopt;
+  const Point translation = scaled(best_, way_);
+  return PartingTranslation{translation, after(translation).certificate};
+}
+
+}  // namespace verisq::verify
