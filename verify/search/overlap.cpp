@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace verisq::verify {
@@ -14,7 +15,10 @@ namespace {
 constexpr double resolution = 0x1p-10;
 
 /// Of one parting: some milliseconds each.
-constexpr std::size_t most_distances = 120;
+constexpr std::size_t most_distances = 48;
+
+/// From the deepest of all centres, and a common point.
+constexpr std::size_t most_climbs = 3;
 
 /// Of one direction: until the way is known to a thirtieth.
 constexpr int halvings = 5;
@@ -55,6 +59,11 @@ std::array<Point, 2> across(const Point& v) {
   return {first, cross(v, first)};
 }
 
+std::variant<PairDistance, ModelSearch> search_of(const Model& a, const Model& b) {
+  if (is_union_of_convex(a) && is_union_of_convex(b)) return PairDistance(a, b);
+  return ModelSearch(a, b);
+}
+
 Point middle(const EnclosedPoint& x) {
   return {x[0].lo / 2 + x[0].hi / 2, x[1].lo / 2 + x[1].hi / 2, x[2].lo / 2 + x[2].hi / 2};
 }
@@ -64,7 +73,8 @@ Point middle(const EnclosedPoint& x) {
 Overlap::Overlap(const Model& a, const Model& b, const Pose& pose, double size, std::function<bool()> interrupted)
     : a_(a),
       b_(b),
-      distances_(a, b, resolution * size),
+      certified_(a, b, resolution * size),
+      distance_(search_of(a, b)),
       pose_(pose),
       motion_(pose),
       size_(size),
@@ -73,30 +83,40 @@ Overlap::Overlap(const Model& a, const Model& b, const Pose& pose, double size, 
   for (const Primitive& primitive : b.primitives) centres_.push_back(motion_.point(primitive.pose.translation));
 }
 
-double Overlap::depth(const Point& x) const {
+std::array<double, 2> Overlap::depths(const Point& x) const {
   const double tolerance = resolution * size_;
-  return -a_(x, tolerance, interrupted_).hi - b_(motion_.inverse_point(x), tolerance, interrupted_).hi;
+  return {-a_(x, tolerance, interrupted_).hi, -b_(motion_.inverse_point(x), tolerance, interrupted_).hi};
 }
 
 Point Overlap::deepest(const std::optional<Point>& common) const {
-  std::vector<Point> starts = centres_;
-  if (common) starts.push_back(*common);
-  std::pair<double, Point> best{-infinity, starts.front()};
-  const auto offer = [&](const Point& x) {
-    const double found = depth(x);
-    if (!(found > best.first)) return false;
-    best = {found, x};
-    return true;
-  };
-  for (const Point& start : starts) offer(start);
-  for (double step = size_ / 4; step > resolution * size_ && !interrupted_(); step /= 2) {
-    for (std::size_t k = 0; k < 6; ++k) {
-      Point x = best.second;
-      x[k / 2] += k % 2 == 0 ? step : -step;
-      offer(x);
+  std::vector<Deep> starts;
+  for (const Point& centre : centres_) starts.push_back(deep_at(centre));
+  if (common) starts.push_back(deep_at(*common));
+  std::ranges::sort(starts, std::greater(), &Deep::depth);
+  starts.resize(std::min(starts.size(), most_climbs));
+  for (Deep& start : starts) start = climbed(start);
+  return std::ranges::max(starts, {}, &Deep::depth).place;
+}
+
+Overlap::Deep Overlap::deep_at(const Point& x) const {
+  const auto [in_a, in_b] = depths(x);
+  return {in_a + in_b, x};
+}
+
+/// Up the sum of both depths, which has ridges: each step is tried again as long as it helps, but not for ever.
+Overlap::Deep Overlap::climbed(Deep best) const {
+  constexpr int most_rounds = 4;
+  const std::vector<Point> directions = lattice_directions();
+  for (double step = size_ / 4; step > resolution * size_; step /= 2) {
+    for (int round = 0; round < most_rounds && !interrupted_(); ++round) {
+      const double before = best.depth;
+      for (const Point& direction : directions)
+        best = std::max(best, deep_at(along(best.place, direction, step)),
+                        [](const Deep& x, const Deep& y) { return x.depth < y.depth; });
+      if (!(best.depth > before)) break;
     }
   }
-  return best.second;
+  return best;
 }
 
 std::array<InnerBall, 2> Overlap::balls_about(const Point& x, double tolerance) const {
@@ -107,15 +127,29 @@ std::array<InnerBall, 2> Overlap::balls_about(const Point& x, double tolerance) 
   return {ball(a_, x), ball(b_, motion_.inverse_point(x))};
 }
 
-CertifiedDistance Overlap::after(const Point& translation) {
+Pose Overlap::after(const Point& translation) const {
   Pose moved = pose_;
   for (std::size_t k = 0; k < 3; ++k) moved.translation[k] += translation[k];
-  return distances_(moved, interrupted_);
+  return moved;
+}
+
+/// What is left of the ball about the deep point in one of both meets the other.
+bool Overlap::still_meet(const Point& translation) const {
+  const auto [in_a, in_b] = depths_of_deep_;
+  return depths(along(deep_, translation, 1.0))[0] > -in_b || depths(along(deep_, translation, -1.0))[1] > -in_a;
 }
 
 bool Overlap::parts(const Point& translation) {
+  if (still_meet(translation)) return false;
   ++asked_;
-  return after(translation).distance.lo > clearance * size_;
+  const Pose moved = after(translation);
+  const auto* const convex = std::get_if<PairDistance>(&distance_);
+  const Enclosure distance =
+      convex != nullptr
+          ? (*convex)(moved, interrupted_).distance
+          : std::get<ModelSearch>(distance_)(moved, {.tolerance = resolution * size_, .interrupted = interrupted_})
+                .distance;
+  return distance.lo > clearance * size_;
 }
 
 /// Halves the way along the direction, as long as the shorter one parts the solids.
@@ -123,7 +157,7 @@ bool Overlap::shorten(const Point& direction) {
   const auto go_on = [this] { return asked_ < most_distances && !interrupted_(); };
   double parting = worthwhile * way_;
   if (!go_on() || !parts(scaled(direction, parting))) return false;
-  double overlapping = 0.0;
+  double overlapping = std::clamp(depths_of_deep_[0] + depths_of_deep_[1], 0.0, parting);
   for (int k = 0; k < halvings && go_on(); ++k) {
     const double half = overlapping / 2 + parting / 2;
     (parts(scaled(direction, half)) ? parting : overlapping) = half;
@@ -148,6 +182,8 @@ std::optional<PartingTranslation> Overlap::parting(const Point& direction, doubl
   best_ = *forward;
   way_ = reach;
   asked_ = 0;
+  deep_ = deep;
+  depths_of_deep_ = depths(deep);
   const double tolerance = resolution * size_;
   const Point in_b = motion_.inverse_point(deep);
   const Point out_of_a = difference(middle(a_.closest_point(deep, tolerance, interrupted_).point), deep);
@@ -159,7 +195,7 @@ std::optional<PartingTranslation> Overlap::parting(const Point& direction, doubl
   turn_about_best();
   if (!(way_ < reach)) return std::nullopt;
   const Point translation = scaled(best_, way_);
-  return PartingTranslation{translation, after(translation).certificate};
+  return PartingTranslation{translation, certified_(after(translation), interrupted_).certificate};
 }
 
 }  // namespace verisq::verify

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "verify/proposals/support_mapping.hpp"
@@ -32,22 +33,34 @@ class Overlap {
   [[nodiscard]] std::optional<PartingTranslation> parting(const Point& direction, double reach, const Point& deep);
 
  private:
-  [[nodiscard]] double depth(const Point& x) const;
-  [[nodiscard]] CertifiedDistance after(const Point& translation);
+  struct Deep {
+    double depth;  ///< the sum of both
+    Point place;
+  };
+
+  [[nodiscard]] Deep deep_at(const Point& x) const;
+  [[nodiscard]] Deep climbed(Deep best) const;
+  /// About how deep a point lies in each of both.
+  [[nodiscard]] std::array<double, 2> depths(const Point& x) const;
+  [[nodiscard]] bool still_meet(const Point& translation) const;
+  [[nodiscard]] Pose after(const Point& translation) const;
   [[nodiscard]] bool parts(const Point& translation);
   bool shorten(const Point& direction);
   void turn_about_best();
 
   SignedDistance a_, b_;
-  CertifiedDistances distances_;
+  CertifiedDistances certified_;
+  std::variant<PairDistance, ModelSearch> distance_;
   Pose pose_;
   ApproximateMotion<double> motion_;
   std::vector<Point> centres_;  ///< of all primitives
   double size_;
   std::function<bool()> interrupted_;
-  Point best_{};        ///< direction
-  double way_ = 0.0;    ///< along it: is known to part
-  std::size_t asked_ = 0;
+  Point deep_{};                         ///< of a parting: a point of both
+  std::array<double, 2> depths_of_deep_{};
+  Point best_{};                         ///< the best direction so far
+  double way_ = 0.0;                     ///< along it: is known to part
+  std::size_t asked_ = 0;                ///< distances
 };
 
 }  // namespace verisq::verify

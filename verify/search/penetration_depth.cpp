@@ -201,7 +201,7 @@ struct PenetrationDepth::State {
   }
 
   [[nodiscard]] CertifiedPenetration certified(const Pose& pose, const PenetrationOptions& options) const;
-  [[nodiscard]] CertifiedPenetration without_what_proves_nothing(const Pose& pose, CertifiedPenetration found) const;
+  void improve(const Pose& pose, PenetrationCertificate other, CertifiedPenetration& result) const;
   void add_deepest_pair(const Pose& pose, const verify::DifferenceHull::Limits& limits,
                         PenetrationCertificate& result) const;
   [[nodiscard]] Point parting_direction(const Pose& pose, const verify::DifferenceHull::Limits& limits) const;
@@ -269,24 +269,30 @@ CertifiedPenetration PenetrationDepth::State::certified(const Pose& pose, const 
   if (result.depth.hi == 0.0 || verified(result.depth, tolerance) || interrupted()) return result;
   verify::Overlap overlap(a, b, pose, size, interrupted);
   const Point deep = overlap.deepest(options.common);
-  certificate.balls = overlap.balls_about(deep, tolerance / 4);
-  if (!are_convex) certificate.parting = overlap.parting(certificate.direction, result.depth.hi, deep);
-  return without_what_proves_nothing(pose, result);
+  improve(pose, {.direction = certificate.direction, .balls = overlap.balls_about(deep, tolerance / 4)}, result);
+  if (!are_convex && !verified(result.depth, tolerance)) {
+    improve(pose,
+            {.direction = certificate.direction,
+             .parting = overlap.parting(certificate.direction, result.depth.hi, deep)},
+            result);
+  }
+  return result;
 }
 
-/// Every part of the certificate costs a reader time.
-CertifiedPenetration PenetrationDepth::State::without_what_proves_nothing(const Pose& pose,
-                                                                          CertifiedPenetration found) const {
-  found.depth = checker.prove(pose, found.certificate);
-  const auto drop = [&](auto PenetrationCertificate::* part) {
-    PenetrationCertificate rest = found.certificate;
-    (rest.*part).reset();
-    if (checker.prove(pose, rest) == found.depth) found.certificate = std::move(rest);
-  };
-  drop(&PenetrationCertificate::balls);
-  drop(&PenetrationCertificate::surface);
-  drop(&PenetrationCertificate::parting);
-  return found;
+/// Takes over the parts that prove more.
+void PenetrationDepth::State::improve(const Pose& pose, PenetrationCertificate other,
+                                      CertifiedPenetration& result) const {
+  const Enclosure proven = checker.prove(pose, other);
+  auto& [depth, certificate] = result;
+  if (proven.lo > depth.lo) {
+    certificate.surface.reset();
+    certificate.balls = std::move(other.balls);
+    depth.lo = proven.lo;
+  }
+  if (proven.hi < depth.hi) {
+    certificate.parting = std::move(other.parting);
+    depth.hi = proven.hi;
+  }
 }
 
 PenetrationDepth::PenetrationDepth(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
