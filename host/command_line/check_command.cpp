@@ -369,18 +369,19 @@ ExitStatus run_check(const PairAnswer& answer, const CheckArguments& given) {
     const PenetrationChecker checker(a, b);
     penetration = {claimed->depth, checker(answer.pose, claimed->depth, claimed->certificate, arguments.ended)};
   }
-  const bool is_open = finding.verdict == Verdict::unproved ||
-                       (penetration && penetration->finding.verdict == Verdict::unproved);
+  const bool is_open =
+      finding.verdict == Verdict::unproved || (penetration && penetration->finding.verdict == Verdict::unproved);
   const bool ended_early = is_open && arguments.ended();
-  const CertificateReport report{arguments.certificate, arguments.models, answer.units,   answer.pose, answer.distance,
-                                 finding,               penetration,      time.seconds(), ended_early};
+  const CertificateReport report{arguments.certificate, arguments.models, answer.units,
+                                 answer.pose,           answer.distance,  finding,
+                                 penetration,           time.seconds(),   ended_early};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (ended_early) return status_of_end();
   const auto is_proved = [](const Enclosure& claimed, const Finding& found) {
     return found.verdict == Verdict::proved && std::isfinite(claimed.hi);
   };
-  const bool all = is_proved(answer.distance, finding) &&
-                   (!penetration || is_proved(penetration->claimed, penetration->finding));
+  const bool all =
+      is_proved(answer.distance, finding) && (!penetration || is_proved(penetration->claimed, penetration->finding));
   return all ? ExitStatus::verified : ExitStatus::unverified;
 }
 

@@ -50,7 +50,7 @@ struct DistanceReport {
                                                       ///< which may be wider than the found one
   /// Of exact models that are not proven to be apart, with what proves it.
   std::optional<CertifiedPenetration> penetration = std::nullopt;
-  std::string units = {};                             ///< of both models; empty when not given
+  std::string units = {};  ///< of both models; empty when not given
   double tolerance = 0.0;
   bool tightest = false;  ///< for a tolerance of 0: the enclosure is as tight as the method gives
 };
@@ -307,8 +307,8 @@ using Stop = std::function<bool()>;
 void add_penetration(const Model& a, const Model& b, const Pose& pose, double tolerance, const Stop& stop,
                      DistanceReport& report) {
   if (report.distance.lo > 0.0) return;
-  report.penetration = PenetrationDepth(a, b)(
-      pose, {.tolerance = tolerance, .common = report.common, .interrupted = stop});
+  report.penetration =
+      PenetrationDepth(a, b)(pose, {.tolerance = tolerance, .common = report.common, .interrupted = stop});
 }
 
 }  // namespace

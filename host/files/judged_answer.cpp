@@ -316,9 +316,8 @@ class Judge {
     std::vector<JudgedClaim> claims{bounded_below("", "distance", answer.distance, finding)};
     if (const auto& claimed = answer.penetration) {
       const PenetrationChecker checker(a, b);
-      claims.push_back(
-          bounded_below("", "penetration depth", claimed->depth,
-                        checker(answer.pose, claimed->depth, claimed->certificate, options_.interrupted)));
+      claims.push_back(bounded_below("", "penetration depth", claimed->depth,
+                                     checker(answer.pose, claimed->depth, claimed->certificate, options_.interrupted)));
     }
     return ended(std::move(claims));
   }

@@ -85,9 +85,7 @@ void describe(const auto& archive, Of<DifferenceSurface> auto& difference) {
                  field_by("triangles", difference.surface.triangles, as_triangles));
   const std::size_t vertices = difference.surface.vertices.size();
   archive.require(difference.on_a.size() == vertices, "on_a", "must be {} points, one for each vertex", vertices);
-  const auto in_range = [&](std::size_t i) {
-    return std::ranges::max(difference.surface.triangles[i]) < vertices;
-  };
+  const auto in_range = [&](std::size_t i) { return std::ranges::max(difference.surface.triangles[i]) < vertices; };
   archive.each("triangles", "", difference.surface.triangles, in_range, "must be indices below {}", vertices);
 }
 
@@ -105,8 +103,8 @@ void describe(const auto& archive, Of<PartingTranslation> auto& parting) {
 }
 
 void describe(const auto& archive, Of<PenetrationCertificate> auto& proof) {
-  archive.object(field("direction", proof.direction), field("parting", proof.parting),
-                 field("surface", proof.surface), field_by("balls", proof.balls, as_balls));
+  archive.object(field("direction", proof.direction), field("parting", proof.parting), field("surface", proof.surface),
+                 field_by("balls", proof.balls, as_balls));
 }
 
 void describe(const auto& archive, Of<CertifiedPenetration> auto& penetration) {

@@ -99,9 +99,10 @@ class PenetrationDepth {
   PenetrationDepth(PenetrationDepth&&) noexcept;
   PenetrationDepth& operator=(PenetrationDepth&&) noexcept;
 
-  /// Encloses the penetration depth of A and of B moved by `pose`: what the certificate proves. Two convex solids: works
-  /// until the enclosure is at most the tolerance wide, or out of its budget of triangles, as where the solids are alike
-  /// and have about the same centre. Other solids: valid, and as a rule wide. Once interrupted what is proven by then.
+  /// Encloses the penetration depth of A and of B moved by `pose`: what the certificate proves. Two convex solids:
+  /// works until the enclosure is at most the tolerance wide, or out of its budget of triangles, as where the solids
+  /// are alike and have about the same centre. Other solids: valid, and as a rule wide. Once interrupted what is proven
+  /// by then.
   [[nodiscard]] CertifiedPenetration operator()(const Pose& pose, const PenetrationOptions& options) const;
 
  private:

@@ -117,8 +117,8 @@ std::string word(Proximity proximity) {
 PythonPair certified(const PythonModel& a, const PythonModel& b, const Pose& pose, const std::function<bool()>& stop) {
   const PairDistance pair(a.model(), b.model());
   const ModelDistance found = pair(pose, stop);
-  return {found.distance, found.proximity, pair.closest_points(found, pose, stop), found.certificate.common,
-          found.complete, std::nullopt};
+  return {found.distance,           found.proximity, pair.closest_points(found, pose, stop),
+          found.certificate.common, found.complete,  std::nullopt};
 }
 
 PythonPair searched(const PythonModel& a, const PythonModel& b, const Pose& pose, double tolerance,
@@ -226,9 +226,10 @@ void declare_pairs(py::module_& module) {
       .def_readonly("common", &PythonPair::common, "A point proven to lie in both, in the frame of a, or None.")
       .def_readonly("complete", &PythonPair::complete,
                     "False where the time limit or a budget ended it early, or rounding errors: valid, and wide.")
-      .def_readonly("penetration_depth", &PythonPair::penetration_depth,
-                    "Enclosure of the length of the shortest translation of b after which a and b have no common inner\n"
-                    "point, of exact models that are not proven to be apart, else None.")
+      .def_readonly(
+          "penetration_depth", &PythonPair::penetration_depth,
+          "Enclosure of the length of the shortest translation of b after which a and b have no common inner\n"
+          "point, of exact models that are not proven to be apart, else None.")
       .def("__repr__", representation_of_pair)
       .def(pickled<PythonPair>());
   module.def("distance", distance, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(), py::kw_only(),

@@ -121,8 +121,8 @@ TEST_F(DistanceCommand, SaysHowDeepOverlappingModelsReachIntoEachOther) {
   const auto depth = nlohmann::json::parse(distance({a, b, "--json"}).out)["penetration_depth"];
   EXPECT_GE(depth["lo"].get<double>(), 0.49999);
   EXPECT_EQ(depth["hi"], 0.5);
-  EXPECT_TRUE(nlohmann::json::parse(distance({a, a, "--pose", "9,0,0,1,0,0,0", "--json"}).out)["penetration_depth"]
-                  .is_null());
+  EXPECT_TRUE(
+      nlohmann::json::parse(distance({a, a, "--pose", "9,0,0,1,0,0,0", "--json"}).out)["penetration_depth"].is_null());
   const auto check = [&](const std::string& of) {
     return run({"check", "--certificate", of, "--model", a, "--model", b});
   };

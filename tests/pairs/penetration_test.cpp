@@ -1,5 +1,7 @@
 /// Penetration depths contain what is known of simple solids, and forged certificates prove nothing false.
 /// VERISQ_FORGED_PENETRATIONS says how many pairs are tried.
+#include "verisq/penetration.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +24,6 @@
 #include "tests/oracle/random_pairs.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/difference_hull.hpp"
-#include "verisq/penetration.hpp"
 
 namespace verisq {
 namespace {
@@ -330,7 +331,8 @@ TEST_F(ForgedPenetrationTest, ProvesNoLowerEndByASurfaceThatDoesNotWind) {
     Mesh& shrunken = forged.found.certificate.surface->surface;
     for (std::size_t n = 0; n < shrunken.vertices.size(); ++n) {
       const Point& first = honest.found.certificate.surface->surface.vertices.front();
-      for (std::size_t c = 0; c < 3; ++c) shrunken.vertices[n][c] = first[c] + 0.01 * (shrunken.vertices[n][c] - first[c]);
+      for (std::size_t c = 0; c < 3; ++c)
+        shrunken.vertices[n][c] = first[c] + 0.01 * (shrunken.vertices[n][c] - first[c]);
       const Point& first_on_a = honest.found.certificate.surface->on_a.front();
       Point& on_a = forged.found.certificate.surface->on_a[n];
       for (std::size_t c = 0; c < 3; ++c) on_a[c] = first_on_a[c] + 0.01 * (on_a[c] - first_on_a[c]);
@@ -353,7 +355,8 @@ TEST_F(ForgedPenetrationTest, ProvesNothingFalseByChangedNumbers) {
       ++changes;
     };
     for (std::size_t c = 0; c < 3; ++c) {
-      tried([&](auto& proof) { proof.direction[c] = oracle::with_wrong_digit(proof.direction[c], random); }, "direction");
+      tried([&](auto& proof) { proof.direction[c] = oracle::with_wrong_digit(proof.direction[c], random); },
+            "direction");
       tried([&](auto& proof) { proof.direction[c] = -3.0 * proof.direction[c]; }, "direction turned");
       tried([&](auto& proof) { proof.direction[c] = infinity; }, "direction without an end");
     }
@@ -361,18 +364,24 @@ TEST_F(ForgedPenetrationTest, ProvesNothingFalseByChangedNumbers) {
     for (int times = 0; times < 10; ++times) {
       const std::size_t n = random.choice(vertices);
       const std::size_t c = random.choice(3);
-      tried([&](auto& proof) {
-        double& x = proof.surface->surface.vertices[n][c];
-        x = oracle::with_wrong_digit(x, random);
-      }, "vertex");
-      tried([&](auto& proof) {
-        double& x = proof.surface->on_a[n][c];
-        x = oracle::with_wrong_digit(x, random);
-      }, "point of A");
-      tried([&](auto& proof) {
-        auto& triangles = proof.surface->surface.triangles;
-        triangles[random.choice(triangles.size())][c] = static_cast<std::uint32_t>(random.choice(vertices));
-      }, "triangle");
+      tried(
+          [&](auto& proof) {
+            double& x = proof.surface->surface.vertices[n][c];
+            x = oracle::with_wrong_digit(x, random);
+          },
+          "vertex");
+      tried(
+          [&](auto& proof) {
+            double& x = proof.surface->on_a[n][c];
+            x = oracle::with_wrong_digit(x, random);
+          },
+          "point of A");
+      tried(
+          [&](auto& proof) {
+            auto& triangles = proof.surface->surface.triangles;
+            triangles[random.choice(triangles.size())][c] = static_cast<std::uint32_t>(random.choice(vertices));
+          },
+          "triangle");
     }
   }
   EXPECT_GE(changes, 39 * count);
@@ -390,7 +399,8 @@ TEST_F(ForgedPenetrationTest, ProvesNothingByBallsAndTranslationsThatAreTooGood)
   }
   for (const double way : {0.4, 0.499999, -0.5, 0.0}) {
     PenetrationCertificate certificate{};
-    certificate.parting = PartingTranslation{{way, 0.0, 0.0}, {.separations = {{0, 0, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}}}};
+    certificate.parting =
+        PartingTranslation{{way, 0.0, 0.0}, {.separations = {{0, 0, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}}}};
     EXPECT_EQ(checker.prove({}, certificate).hi, infinity) << way;
   }
   PenetrationCertificate parted{};

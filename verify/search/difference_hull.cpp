@@ -79,8 +79,7 @@ bool DifferenceHull::begin() {
 
 /// A facet without an area is never the nearest.
 DifferenceHull::Facet DifferenceHull::facet(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-  const Vector normal = unit(
-      cross(difference(vertices_[b], vertices_[a]), difference(vertices_[c], vertices_[a])));
+  const Vector normal = unit(cross(difference(vertices_[b], vertices_[a]), difference(vertices_[c], vertices_[a])));
   const bool is_flat = dot(normal, normal) == 0;
   return {{a, b, c}, normal, is_flat ? static_cast<long double>(infinity) : dot(normal, vertices_[a])};
 }

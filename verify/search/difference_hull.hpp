@@ -15,9 +15,9 @@
 namespace verisq::verify {
 
 // The expanding polytope algorithm (van den Bergen, 2001), in plain floating point: proposes, proves nothing. It asks a
-// convex set for its farthest point along the normal of the facet that is nearest to the origin, until the two are about
-// as far. A facet may have the origin on its outer side: then it is expanded first, so that the origin need not lie in
-// the first tetrahedron.
+// convex set for its farthest point along the normal of the facet that is nearest to the origin, until the two are
+// about as far. A facet may have the origin on its outer side: then it is expanded first, so that the origin need not
+// lie in the first tetrahedron.
 
 /// A set's farthest point along a direction, and a point beside it to be a vertex.
 struct FarthestPoint {
@@ -35,9 +35,9 @@ class DifferenceHull {
   explicit DifferenceHull(Support support) : support_(std::move(support)) {}
 
   struct Limits {
-    double tolerance;     ///< ends where `reach` and `depth` differ by no more
-    double enough;        ///< ends where `reach` is no more
-    std::size_t facets;   ///< ends where there are more
+    double tolerance;    ///< ends where `reach` and `depth` differ by no more
+    double enough;       ///< ends where `reach` is no more
+    std::size_t facets;  ///< ends where there are more
     std::function<bool()> interrupted;
   };
 

@@ -18,7 +18,7 @@ constexpr double resolution = 0x1p-10;
 constexpr std::size_t most_distances = 48;
 
 /// From the deepest of all centres, and a common point.
-constexpr std::size_t most_climbs = 3;
+constexpr std::size_t most_climbs = 2;
 
 /// Of one direction: until the way is known to a thirtieth.
 constexpr int halvings = 5;
@@ -98,14 +98,19 @@ Point Overlap::deepest(const std::optional<Point>& common) const {
   return std::ranges::max(starts, {}, &Deep::depth).place;
 }
 
+/// On the way from one solid into the other the sum stays the same. So what is outside counts more, until both hold x,
+/// and a little depends on the lesser depth: then roundings leave x in both.
 Overlap::Deep Overlap::deep_at(const Point& x) const {
+  constexpr double weight_of_outside = 4.0;
+  constexpr double weight_of_lesser = 0x1p-6;
   const auto [in_a, in_b] = depths(x);
-  return {in_a + in_b, x};
+  const double outside = std::min(in_a, 0.0) + std::min(in_b, 0.0);
+  return {in_a + in_b + weight_of_outside * outside + weight_of_lesser * std::min(in_a, in_b), x};
 }
 
 /// Up the sum of both depths, which has ridges: each step is tried again as long as it helps, but not for ever.
 Overlap::Deep Overlap::climbed(Deep best) const {
-  constexpr int most_rounds = 4;
+  constexpr int most_rounds = 2;
   const std::vector<Point> directions = lattice_directions();
   for (double step = size_ / 4; step > resolution * size_; step /= 2) {
     for (int round = 0; round < most_rounds && !interrupted_(); ++round) {

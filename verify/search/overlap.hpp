@@ -34,7 +34,7 @@ class Overlap {
 
  private:
   struct Deep {
-    double depth;  ///< the sum of both
+    double depth;  ///< about the sum of both
     Point place;
   };
 
@@ -56,11 +56,11 @@ class Overlap {
   std::vector<Point> centres_;  ///< of all primitives
   double size_;
   std::function<bool()> interrupted_;
-  Point deep_{};                         ///< of a parting: a point of both
+  Point deep_{};  ///< of a parting: a point of both
   std::array<double, 2> depths_of_deep_{};
-  Point best_{};                         ///< the best direction so far
-  double way_ = 0.0;                     ///< along it: is known to part
-  std::size_t asked_ = 0;                ///< distances
+  Point best_{};           ///< the best direction so far
+  double way_ = 0.0;       ///< along it: is known to part
+  std::size_t asked_ = 0;  ///< distances
 };
 
 }  // namespace verisq::verify

@@ -141,7 +141,10 @@ class FarthestPoints {
 class ConvexDifference {
  public:
   ConvexDifference(const Primitive& a, const Primitive& b, const PairBounds& pair)
-      : a_(a.superquadric), b_(b.superquadric), pair_(pair), to_b_(pair.relative().inverse()),
+      : a_(a.superquadric),
+        b_(b.superquadric),
+        pair_(pair),
+        to_b_(pair.relative().inverse()),
         motion_(about(pair.relative())) {}
 
   [[nodiscard]] std::optional<FarthestPoint> operator()(const Vector& n) {
@@ -240,8 +243,7 @@ void PenetrationDepth::State::add_deepest_pair(const Pose& pose, const verify::D
 }
 
 /// The models' hulls are parted by the same directions.
-Point PenetrationDepth::State::parting_direction(const Pose& pose,
-                                                 const verify::DifferenceHull::Limits& limits) const {
+Point PenetrationDepth::State::parting_direction(const Pose& pose, const verify::DifferenceHull::Limits& limits) const {
   const verify::ApproximateMotion<long double> motion(pose);
   verify::DifferenceHull hull([&](const Vector& n) {
     const Vector on_b = motion.point(farthest_b(motion.inverse_direction({-n[0], -n[1], -n[2]})));
@@ -271,10 +273,10 @@ CertifiedPenetration PenetrationDepth::State::certified(const Pose& pose, const 
   const Point deep = overlap.deepest(options.common);
   improve(pose, {.direction = certificate.direction, .balls = overlap.balls_about(deep, tolerance / 4)}, result);
   if (!are_convex && !verified(result.depth, tolerance)) {
-    improve(pose,
-            {.direction = certificate.direction,
-             .parting = overlap.parting(certificate.direction, result.depth.hi, deep)},
-            result);
+    improve(
+        pose,
+        {.direction = certificate.direction, .parting = overlap.parting(certificate.direction, result.depth.hi, deep)},
+        result);
   }
   return result;
 }
