@@ -92,6 +92,16 @@ TEST(PenetrationTest, IsZeroWhereSolidsTouchOrAreApart) {
   EXPECT_LT(nearly.hi, 1.1e-7);
 }
 
+TEST(PenetrationTest, IsAsTightAtHugeAndTinySizesAsAtOne) {
+  for (const double size : {1e-300, 1e-150, 1.0, 1e150, 1e300}) {
+    const Model a = model_of({ball(size)});
+    const Enclosure depth = depth_of(a, model_of({ball(size, {1.5 * size, 0.0, 0.0})}), 1e-6 * size).depth;
+    EXPECT_NEAR(depth.lo / size, 0.5, 1e-6);
+    EXPECT_NEAR(depth.hi / size, 0.5, 1e-15);
+    EXPECT_GE(depth.hi, 0.5 * size * (1.0 - 1e-15));
+  }
+}
+
 TEST(PenetrationTest, OfBoxesIsTheLeastOverlapOfTheirSides) {
   Random random(302);
   for (int k = 0; k < 100; ++k) {

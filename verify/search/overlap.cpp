@@ -15,10 +15,7 @@ namespace {
 constexpr double resolution = 0x1p-10;
 
 /// Of one parting: some milliseconds each.
-constexpr std::size_t most_distances = 48;
-
-/// From the deepest of all centres, and a common point.
-constexpr std::size_t most_climbs = 2;
+constexpr std::size_t most_distances = 32;
 
 /// Of one direction: until the way is known to a thirtieth.
 constexpr int halvings = 5;
@@ -42,10 +39,10 @@ std::optional<Point> unit(const Point& v) {
 /// The 26 directions to the neighbours in a lattice of cubes.
 std::vector<Point> lattice_directions() {
   std::vector<Point> directions;
-  for (int code = 0; code < 27; ++code) {
-    const Point v{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0};
-    if (const auto direction = unit(v)) directions.push_back(*direction);
-  }
+  for (const double x : {-1.0, 0.0, 1.0})
+    for (const double y : {-1.0, 0.0, 1.0})
+      for (const double z : {-1.0, 0.0, 1.0})
+        if (const auto direction = unit({x, y, z})) directions.push_back(*direction);
   return directions;
 }
 
@@ -89,13 +86,11 @@ std::array<double, 2> Overlap::depths(const Point& x) const {
 }
 
 Point Overlap::deepest(const std::optional<Point>& common) const {
-  std::vector<Deep> starts;
-  for (const Point& centre : centres_) starts.push_back(deep_at(centre));
-  if (common) starts.push_back(deep_at(*common));
-  std::ranges::sort(starts, std::greater(), &Deep::depth);
-  starts.resize(std::min(starts.size(), most_climbs));
-  for (Deep& start : starts) start = climbed(start);
-  return std::ranges::max(starts, {}, &Deep::depth).place;
+  const auto deeper = [](const Deep& x, const Deep& y) { return x.depth < y.depth ? y : x; };
+  Deep best = deep_at(centres_.front());
+  for (const Point& centre : centres_) best = deeper(best, deep_at(centre));
+  best = climbed(best);
+  return (common ? deeper(best, climbed(deep_at(*common))) : best).place;
 }
 
 /// On the way from one solid into the other the sum stays the same. So what is outside counts more, until both hold x,
@@ -115,9 +110,10 @@ Overlap::Deep Overlap::climbed(Deep best) const {
   for (double step = size_ / 4; step > resolution * size_; step /= 2) {
     for (int round = 0; round < most_rounds && !interrupted_(); ++round) {
       const double before = best.depth;
-      for (const Point& direction : directions)
-        best = std::max(best, deep_at(along(best.place, direction, step)),
-                        [](const Deep& x, const Deep& y) { return x.depth < y.depth; });
+      for (const Point& direction : directions) {
+        const Deep tried = deep_at(along(best.place, direction, step));
+        if (tried.depth > best.depth) best = tried;
+      }
       if (!(best.depth > before)) break;
     }
   }
