@@ -141,7 +141,7 @@ std::string explanation(const DistanceReport& report) {
 std::string explanation_of_depth(const DistanceReport& report, std::string_view units) {
   const Enclosure& depth = report.penetration->depth;
   const std::string most = upper_digits(depth.hi, 3) + std::string(units);
-  if (depth.lo > 0.0) return fmt::format("proven: they overlap, and B moved by {} can do so no longer", most);
+  if (depth.lo > 0.0) return fmt::format("proven: they overlap; moving B by {}, the right way, ends that", most);
   const bool meet = report.proximity == Proximity::overlapping;
   if (depth.hi == 0.0) return meet ? "proven: they touch, and do not overlap" : "proven: they do not overlap";
   if (!std::isfinite(depth.hi)) return "nothing is proven of it";

@@ -117,7 +117,7 @@ TEST_F(DistanceCommand, SaysHowDeepOverlappingModelsReachIntoEachOther) {
   const auto b = ball("b.json", "mm", 1.5);
   const std::string file = path("proof.json");
   const Outcome outcome = distance({a, b, "--certificate-file", file});
-  EXPECT_THAT(outcome.out, HasSubstr("(proven: they overlap, and B moved by 0.5 mm can do so no longer)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("(proven: they overlap; moving B by 0.5 mm, the right way, ends that)\n"));
   const auto depth = nlohmann::json::parse(distance({a, b, "--json"}).out)["penetration_depth"];
   EXPECT_GE(depth["lo"].get<double>(), 0.49999);
   EXPECT_EQ(depth["hi"], 0.5);
