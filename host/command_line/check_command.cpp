@@ -230,6 +230,28 @@ void refuse_other_count(std::span<const SubjectFile> expected, const Certificate
   }
 }
 
+/// What is claimed of how deep two models reach into each other, beside their distance.
+struct JudgedPenetration {
+  Enclosure claimed;
+  Finding finding;
+};
+
+std::string readable(const JudgedPenetration& judged, bool ended_early, const std::string& units) {
+  std::string text =
+      fmt::format("penetration depth  {}\n", ended_early ? "not judged" : to_string(judged.finding.verdict));
+  text += fmt::format("  claimed          {}{}\n", exact_text(judged.claimed), units);
+  text += fmt::format("  proven           {}{}\n", exact_text(judged.finding.proven), units);
+  if (!std::isfinite(judged.claimed.hi)) text += "  WITHOUT AN END   nothing is claimed from above\n";
+  return text;
+}
+
+JsonValue json_of(const std::optional<JudgedPenetration>& judged, bool ended_early) {
+  if (!judged) return {};
+  return JsonObject{{"verdict", ended_early ? JsonValue() : JsonValue(to_string(judged->finding.verdict))},
+                    {"claimed", judged->claimed},
+                    {"proven", judged->finding.proven}};
+}
+
 struct CertificateReport {
   std::string certificate;
   std::vector<std::string> models;
@@ -237,6 +259,7 @@ struct CertificateReport {
   Pose pose;
   Enclosure claimed;
   Finding finding;
+  std::optional<JudgedPenetration> penetration;
   double seconds;
   bool ended_early;  ///< before it was judged
 };
@@ -254,6 +277,7 @@ std::string readable(const CertificateReport& report) {
   text += fmt::format("  claimed          {}{}\n", exact_text(report.claimed), units);
   text += fmt::format("  proven           {}{}\n", exact_text(report.finding.proven), units);
   if (!std::isfinite(report.claimed.hi)) text += "  WITHOUT AN END   nothing is claimed from above\n";
+  if (report.penetration) text += readable(*report.penetration, report.ended_early, units);
   text += fmt::format("of                 the distance of two models\n");
   for (const std::string& model : report.models) text += fmt::format("  model            {}\n", quotation(model));
   text += fmt::format("  pose             {} of the second one: translation, quaternion\n", option_text(report.pose));
@@ -269,6 +293,7 @@ std::string json(const CertificateReport& report) {
                           {"claimed", report.claimed},
                           {"proven", report.finding.proven},
                           {"reason", why.empty() ? JsonValue() : JsonValue(why)},
+                          {"penetration_depth", json_of(report.penetration, report.ended_early)},
                           {"units", report.units},
                           {"models", report.models},
                           {"pose", report.pose},
@@ -339,12 +364,24 @@ ExitStatus run_check(const PairAnswer& answer, const CheckArguments& given) {
   const Stopwatch time;
   watch_for_interruption();
   const Finding finding = PairChecker(a, b)(answer.pose, answer.distance, answer.certificate, arguments.ended);
-  const bool ended_early = finding.verdict == Verdict::unproved && arguments.ended();
-  const CertificateReport report{arguments.certificate, arguments.models, answer.units,   answer.pose,
-                                 answer.distance,       finding,          time.seconds(), ended_early};
+  std::optional<JudgedPenetration> penetration;
+  if (const auto& claimed = answer.penetration) {
+    const PenetrationChecker checker(a, b);
+    penetration = {claimed->depth, checker(answer.pose, claimed->depth, claimed->certificate, arguments.ended)};
+  }
+  const bool is_open =
+      finding.verdict == Verdict::unproved || (penetration && penetration->finding.verdict == Verdict::unproved);
+  const bool ended_early = is_open && arguments.ended();
+  const CertificateReport report{arguments.certificate, arguments.models, answer.units,
+                                 answer.pose,           answer.distance,  finding,
+                                 penetration,           time.seconds(),   ended_early};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (ended_early) return status_of_end();
-  const bool all = finding.verdict == Verdict::proved && std::isfinite(answer.distance.hi);
+  const auto is_proved = [](const Enclosure& claimed, const Finding& found) {
+    return found.verdict == Verdict::proved && std::isfinite(claimed.hi);
+  };
+  const bool all =
+      is_proved(answer.distance, finding) && (!penetration || is_proved(penetration->claimed, penetration->finding));
   return all ? ExitStatus::verified : ExitStatus::unverified;
 }
 

@@ -18,6 +18,7 @@
 #include <verisq/files.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model.hpp>
+#include <verisq/penetration.hpp>
 
 #include "host/command_line/inputs.hpp"
 #include "host/command_line/options.hpp"
@@ -47,7 +48,9 @@ struct DistanceReport {
   std::optional<PairCertificate> certificate = std::nullopt;  ///< set if it was requested
   std::optional<Enclosure> certified = std::nullopt;  ///< for a search: the enclosure that the certificate proves,
                                                       ///< which may be wider than the found one
-  std::string units = {};                             ///< of both models; empty when not given
+  /// Of exact models that are not proven to be apart, with what proves it.
+  std::optional<CertifiedPenetration> penetration = std::nullopt;
+  std::string units = {};  ///< of both models; empty when not given
   double tolerance = 0.0;
   bool tightest = false;  ///< for a tolerance of 0: the enclosure is as tight as the method gives
 };
@@ -135,6 +138,16 @@ std::string explanation(const DistanceReport& report) {
                                            : open;
 }
 
+std::string explanation_of_depth(const DistanceReport& report, std::string_view units) {
+  const Enclosure& depth = report.penetration->depth;
+  const std::string most = upper_digits(depth.hi, 3) + std::string(units);
+  if (depth.lo > 0.0) return fmt::format("proven: they overlap; moving B by {}, the right way, ends that", most);
+  const bool meet = report.proximity == Proximity::overlapping;
+  if (depth.hi == 0.0) return meet ? "proven: they touch, and do not overlap" : "proven: they do not overlap";
+  if (!std::isfinite(depth.hi)) return "nothing is proven of it";
+  return fmt::format("proven: they {} overlap by at most {}", meet ? "touch, or" : "do not overlap, or", most);
+}
+
 std::string_view explanation_of_uncertain(Proximity proximity) {
   switch (proximity) {
     case Proximity::separated: return "proven: no common point, whatever the uncertain numbers are";
@@ -209,6 +222,10 @@ std::string readable(const DistanceReport& report) {
   text += fmt::format("proximity          {} ({})\n", word(report.proximity),
                       report.uncertain ? explanation_of_uncertain(report.proximity) : explanation(report));
   if (report.common) text += fmt::format("common point       {}\n", text_of(*report.common));
+  if (report.penetration) {
+    text += fmt::format("penetration depth  {}{} ({})\n", text_of(report.penetration->depth), units,
+                        explanation_of_depth(report, units));
+  }
   if (report.closest) {
     text += box_text("closest point of A", report.closest->on_a) + box_text("closest point of B", report.closest->on_b);
     text += fmt::format("uniqueness         {}\n",
@@ -239,6 +256,7 @@ std::string json(const DistanceReport& report) {
                     {"unique", report.closest && report.closest->unique},
                     {"near_points", JsonValue()},
                     {"witness", report.common},
+                    {"penetration_depth", JsonValue()},
                     {"units", report.units},
                     {"tolerance", report.tolerance}};
   if (report.closest) {
@@ -248,6 +266,7 @@ std::string json(const DistanceReport& report) {
   if (const auto near = shown_near_points(report)) {
     object.set("near_points", JsonObject{{"on_a", (*near)[0]}, {"on_b", (*near)[1]}});
   }
+  if (report.penetration) object.set("penetration_depth", report.penetration->depth);
   if (report.certified) object.set("certified", *report.certified);
   if (report.certificate) object.set("certificate", json_of(*report.certificate));
   return object.indented_text() + "\n";
@@ -281,6 +300,17 @@ void tell_what_is_not_certified(const DistanceReport& report) {
                     : "planes between sections of primitives, balls and covers about these, and points do not decide"));
 }
 
+/// Ctrl-C or the time limit.
+using Stop = std::function<bool()>;
+
+/// Encloses how deep models reach into each other, unless they are proven to be apart.
+void add_penetration(const Model& a, const Model& b, const Pose& pose, double tolerance, const Stop& stop,
+                     DistanceReport& report) {
+  if (report.distance.lo > 0.0) return;
+  report.penetration =
+      PenetrationDepth(a, b)(pose, {.tolerance = tolerance, .common = report.common, .interrupted = stop});
+}
+
 }  // namespace
 
 DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose, const DistanceSearch& search) {
@@ -309,6 +339,7 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
   report.tightest = search.tolerance == 0.0 && found.reached;
   report.near_points = found.near_points;
   report.common = found.common;
+  add_penetration(a, b, pose, search.tolerance, limit.stop(), report);
   if (search.with_certificate) {
     options.interrupted = [] { return interrupted(); };  // what was found in time deserves its certificate
     auto [proven, certificate] = models.certified(pose, found, options);
@@ -348,7 +379,8 @@ constexpr const char* closing_words =
     "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet.\n"
     "The closest points lie in the printed boxes, in the frame of A. \"undecided\": neither a gap nor a common point "
     "is\n"
-    "proven, as a rule because the models touch, or nearly.\n"
+    "proven, as a rule because the models touch, or nearly. Where exact models are not proven to be apart, the\n"
+    "penetration depth is the length of the shortest translation of B after which they do not overlap.\n"
     "Where a model gives intervals [lo, hi] for semi-axes, exponents or translations, the enclosure contains the\n"
     "distances of all that they allow, without closest points: give a --tol above that uncertainty.\n"
     "Bent models, and csg other than the union of all primitives, are searched by branch and bound until the "
@@ -457,9 +489,6 @@ double tolerance_of(const DistanceArguments& arguments, const LargestModels& mod
                   is_union_of_convex(models.a) ? arguments.model_b : arguments.model_a));
 }
 
-/// Ctrl-C or the time limit.
-using Stop = std::function<bool()>;
-
 /// Uncertain models have neither closest points nor a certificate.
 DistanceReport distance_of(const UncertainModel& a, const UncertainModel& b, const Pose& pose, const Stop& stop) {
   const PairDistance pair(a, b);
@@ -489,6 +518,7 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
   const Stop stop = limit.stop();
   DistanceReport report = distance_of(a, b, pose, stop);
   // For uncertain models the width is that of their numbers, whatever the method does.
+  if (!report.uncertain) add_penetration(models.a, models.b, pose, tolerance, stop, report);
   const bool at_limit = report.uncertain || verified(report.distance, limit_of_certificates * size_of(models, pose));
   report.tightest = tolerance == 0.0 && report.complete && at_limit;
   const bool lacks_points = !report.uncertain && report.proximity == Proximity::separated && !report.closest;
@@ -639,7 +669,8 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
                             units,
                             pose,
                             report.certified.value_or(report.distance),
-                            report.certificate.value()});
+                            report.certificate.value(),
+                            report.penetration});
   }
   if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));

@@ -313,7 +313,13 @@ class Judge {
   JudgedAnswer operator()(const PairAnswer& answer) const {
     const auto [a, b] = two_models(answer.models);
     const Finding finding = PairChecker(a, b)(answer.pose, answer.distance, answer.certificate, options_.interrupted);
-    return ended({bounded_below("", "distance", answer.distance, finding)});
+    std::vector<JudgedClaim> claims{bounded_below("", "distance", answer.distance, finding)};
+    if (const auto& claimed = answer.penetration) {
+      const PenetrationChecker checker(a, b);
+      claims.push_back(bounded_below("", "penetration depth", claimed->depth,
+                                     checker(answer.pose, claimed->depth, claimed->certificate, options_.interrupted)));
+    }
+    return ended(std::move(claims));
   }
 
   JudgedAnswer operator()(const PoseAnswers& answers) const {

@@ -72,6 +72,45 @@ void describe(const auto& archive, Of<PairCertificate> auto& proof) {
   require_distinct("covers_b", proof.covers_b, primitive, "this primitive has a cover before");
 }
 
+// Proofs of penetration depths.
+
+inline constexpr auto as_triangle = [](const auto& archive, auto& corners) {
+  archive.array("must be three indices of vertices", corners[0], corners[1], corners[2]);
+};
+inline constexpr auto as_triangles = [](const auto& archive, auto& triangles) { archive.list(as_triangle, triangles); };
+
+void describe(const auto& archive, Of<DifferenceSurface> auto& difference) {
+  archive.object(field("primitive_a", difference.primitive_a), field("primitive_b", difference.primitive_b),
+                 field("vertices", difference.surface.vertices), field("on_a", difference.on_a),
+                 field_by("triangles", difference.surface.triangles, as_triangles));
+  const std::size_t vertices = difference.surface.vertices.size();
+  archive.require(difference.on_a.size() == vertices, "on_a", "must be {} points, one for each vertex", vertices);
+  const auto in_range = [&](std::size_t i) { return std::ranges::max(difference.surface.triangles[i]) < vertices; };
+  archive.each("triangles", "", difference.surface.triangles, in_range, "must be indices below {}", vertices);
+}
+
+void describe(const auto& archive, Of<InnerBall> auto& ball) {
+  archive.object(field("centre", ball.centre), field("radius", ball.radius, nonnegative),
+                 certificate_fields(ball.proof));
+}
+
+inline constexpr auto as_balls = [](const auto& archive, auto& balls) {
+  archive.object(field("in_a", balls[0]), field("in_b", balls[1]));
+};
+
+void describe(const auto& archive, Of<PartingTranslation> auto& parting) {
+  archive.object(field("translation", parting.translation), field("proof", parting.proof));
+}
+
+void describe(const auto& archive, Of<PenetrationCertificate> auto& proof) {
+  archive.object(field("direction", proof.direction), field("parting", proof.parting), field("surface", proof.surface),
+                 field_by("balls", proof.balls, as_balls));
+}
+
+void describe(const auto& archive, Of<CertifiedPenetration> auto& penetration) {
+  archive.object(field("depth", penetration.depth), field("proof", penetration.certificate));
+}
+
 // The kinds `pair` and `poses`.
 
 template <class Posed>
@@ -81,7 +120,7 @@ auto fields_of_posed(Posed& answer) {
 }
 
 void describe(const auto& archive, Of<PairAnswer> auto& answer) {
-  archive.object(head_of_two_models(answer), fields_of_posed(answer));
+  archive.object(head_of_two_models(answer), fields_of_posed(answer), field("penetration", answer.penetration));
 }
 
 void describe(const auto& archive, Of<PosedAnswer> auto& answer) {

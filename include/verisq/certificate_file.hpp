@@ -22,6 +22,7 @@
 #include <verisq/mesh_topology.hpp>
 #include <verisq/model.hpp>
 #include <verisq/path.hpp>
+#include <verisq/penetration.hpp>
 #include <verisq/recovery.hpp>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
@@ -45,6 +46,7 @@ struct PairAnswer {
   Pose pose;
   Enclosure distance;  ///< the claim: what a checker proves, refutes or leaves open
   PairCertificate certificate;
+  std::optional<CertifiedPenetration> penetration = {};  ///< another claim: how deep they reach into each other
 };
 
 /// The distance at one pose of many, with its proof.

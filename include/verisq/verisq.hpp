@@ -22,6 +22,7 @@
 #include <verisq/model.hpp>
 #include <verisq/octree.hpp>
 #include <verisq/path.hpp>
+#include <verisq/penetration.hpp>
 #include <verisq/recovery.hpp>
 #include <verisq/report.hpp>
 #include <verisq/stance.hpp>

@@ -16,6 +16,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/path.hpp>
+#include <verisq/penetration.hpp>
 
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
@@ -98,8 +99,9 @@ struct PythonPair {
   std::optional<ClosestPoints> closest;
   std::optional<Point> common;
   bool complete;
+  std::optional<Enclosure> penetration_depth;
 
-  static constexpr std::size_t members = 5;
+  static constexpr std::size_t members = 6;
 };
 
 std::string word(Proximity proximity) {
@@ -115,8 +117,8 @@ std::string word(Proximity proximity) {
 PythonPair certified(const PythonModel& a, const PythonModel& b, const Pose& pose, const std::function<bool()>& stop) {
   const PairDistance pair(a.model(), b.model());
   const ModelDistance found = pair(pose, stop);
-  return {found.distance, found.proximity, pair.closest_points(found, pose, stop), found.certificate.common,
-          found.complete};
+  return {found.distance,           found.proximity, pair.closest_points(found, pose, stop),
+          found.certificate.common, found.complete,  std::nullopt};
 }
 
 PythonPair searched(const PythonModel& a, const PythonModel& b, const Pose& pose, double tolerance,
@@ -124,7 +126,7 @@ PythonPair searched(const PythonModel& a, const PythonModel& b, const Pose& pose
   constexpr const char* what = "pairs with bends or set operations";
   const SearchedDistance found =
       ModelSearch(a.exact(what), b.exact(what))(pose, {.tolerance = tolerance, .interrupted = stop});
-  return {found.distance, found.proximity, std::nullopt, found.common, found.reached};
+  return {found.distance, found.proximity, std::nullopt, found.common, found.reached, std::nullopt};
 }
 
 PythonPair distance(const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b,
@@ -138,16 +140,23 @@ PythonPair distance(const PythonModel& a, const PythonModel& b, const py::handle
   Deadline limit(time_limit, interruption.poll());
   limit.start();
   const std::function<bool()> stop = limit.stop();
-  return without_lock(interruption,
-                      [&] { return convex ? certified(a, b, moved, stop) : searched(a, b, moved, width, stop); });
+  return without_lock(interruption, [&] {
+    PythonPair pair = convex ? certified(a, b, moved, stop) : searched(a, b, moved, width, stop);
+    if (is_exact(a.model()) && is_exact(b.model()) && !(pair.distance.lo > 0.0)) {
+      const PenetrationDepth depth(a.largest(), b.largest());
+      pair.penetration_depth = depth(moved, {.tolerance = width, .common = pair.common, .interrupted = stop}).depth;
+    }
+    return pair;
+  });
 }
 
 /// A distance with what proves it again.
 struct CertifiedPair {
   Enclosure distance;
   PairCertificate certificate;
+  std::optional<CertifiedPenetration> penetration;
 
-  static constexpr std::size_t members = 2;
+  static constexpr std::size_t members = 3;
 };
 
 CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b,
@@ -158,26 +167,40 @@ CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, con
   const Pose moved = pose(pose_of_b);
   const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
   Interruption interruption;
-  auto [distance, certificate] =
-      without_lock(interruption, [&] { return CertifiedDistances(one, other, width)(moved, interruption.poll()); });
-  return {distance, std::move(certificate)};
+  return without_lock(interruption, [&] {
+    auto [distance, certificate] = CertifiedDistances(one, other, width)(moved, interruption.poll());
+    CertifiedPair pair{distance, std::move(certificate), std::nullopt};
+    if (!(distance.lo > 0.0)) {
+      pair.penetration = PenetrationDepth(one, other)(
+          moved, {.tolerance = width, .common = pair.certificate.common, .interrupted = interruption.poll()});
+    }
+    return pair;
+  });
 }
 
 bool pair_is_proved(const CertifiedPair& self, const PythonModel& a, const PythonModel& b,
                     const py::handle& pose_of_b) {
-  const PairChecker checker(a.exact("is_proved"), b.exact("is_proved"));
+  const Model& one = a.exact("is_proved");
+  const Model& other = b.exact("is_proved");
   const Pose moved = pose(pose_of_b);
   Interruption interruption;
   return without_lock(interruption, [&] {
-    const Finding finding = checker(moved, self.distance, self.certificate, interruption.poll());
-    return finding.verdict == Verdict::proved;
+    const Finding finding = PairChecker(one, other)(moved, self.distance, self.certificate, interruption.poll());
+    if (finding.verdict != Verdict::proved || !self.penetration) return finding.verdict == Verdict::proved;
+    const auto& [depth, certificate] = *self.penetration;
+    const PenetrationChecker checker(one, other);
+    return checker(moved, depth, certificate, interruption.poll()).verdict == Verdict::proved;
   });
 }
 
 PythonAnswer answer_of(const CertifiedPair& self, const std::filesystem::path& a, const std::filesystem::path& b,
                        const py::handle& pose_of_b) {
-  return {PairAnswer{
-      {subject_file(a), subject_file(b)}, units_of({a, b}), pose(pose_of_b), self.distance, self.certificate}};
+  return {PairAnswer{{subject_file(a), subject_file(b)},
+                     units_of({a, b}),
+                     pose(pose_of_b),
+                     self.distance,
+                     self.certificate,
+                     self.penetration}};
 }
 
 std::string representation_of_pair(const PythonPair& self) {
@@ -203,6 +226,10 @@ void declare_pairs(py::module_& module) {
       .def_readonly("common", &PythonPair::common, "A point proven to lie in both, in the frame of a, or None.")
       .def_readonly("complete", &PythonPair::complete,
                     "False where the time limit or a budget ended it early, or rounding errors: valid, and wide.")
+      .def_readonly(
+          "penetration_depth", &PythonPair::penetration_depth,
+          "Enclosure of the length of the shortest translation of b after which a and b have no common inner\n"
+          "point, of exact models that are not proven to be apart, else None.")
       .def("__repr__", representation_of_pair)
       .def(pickled<PythonPair>());
   module.def("distance", distance, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(), py::kw_only(),
@@ -214,6 +241,12 @@ void declare_pairs(py::module_& module) {
              "method gives. Raises Error for units that differ, and as `verisq distance` does.");
   py::class_<CertifiedPair>(module, "CertifiedPair", "What certified_distance() proves.")
       .def_readonly("distance", &CertifiedPair::distance, "Enclosure of the distance: what the certificate proves.")
+      .def_property_readonly(
+          "penetration_depth",
+          [](const CertifiedPair& self) {
+            return self.penetration ? std::optional(self.penetration->depth) : std::nullopt;
+          },
+          "As that of a Pair, as far as its certificate proves it.")
       .def("is_proved", pair_is_proved, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(),
            "is_proved(a, b, pose=None) -> bool\n\n"
            "Proves the enclosure again, of these models and this pose, by MPFR and the certificate alone.")

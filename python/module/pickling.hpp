@@ -23,6 +23,7 @@
 #include <verisq/features.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model.hpp>
+#include <verisq/penetration.hpp>
 #include <verisq/version.hpp>
 
 namespace verisq::python {
@@ -278,6 +279,16 @@ template <>
 inline constexpr std::size_t member_count<SurroundedPrimitive> = 3;
 template <>
 inline constexpr std::size_t member_count<PairCertificate> = 8;
+template <>
+inline constexpr std::size_t member_count<DifferenceSurface> = 4;
+template <>
+inline constexpr std::size_t member_count<InnerBall> = 3;
+template <>
+inline constexpr std::size_t member_count<PartingTranslation> = 2;
+template <>
+inline constexpr std::size_t member_count<PenetrationCertificate> = 4;
+template <>
+inline constexpr std::size_t member_count<CertifiedPenetration> = 2;
 
 // Certificates of distances from triangles
 

@@ -66,6 +66,8 @@ TEST_F(DistanceCommand, TouchingSolidsHaveACommonPoint) {
   EXPECT_THAT(touching.out, HasSubstr("overlapping (proven: a common point)\ncommon point       (1, 0, 0)\n"));
   const Outcome turned = distance({a, a, "--pose", "2,0,0,1,2,3,4"});
   EXPECT_THAT(turned.out, HasSubstr("undecided (neither a gap nor a common point is proven, at most "));
+  EXPECT_THAT(touching.out, HasSubstr("penetration depth  [0, 0] mm (proven: they touch, and do not overlap)\n"));
+  EXPECT_THAT(turned.out, HasSubstr("(proven: they do not overlap"));
 }
 
 TEST_F(DistanceCommand, PrintsJson) {
@@ -108,6 +110,33 @@ TEST_F(DistanceCommand, ShowsTheCommonPointOfOverlappingModels) {
   EXPECT_EQ(object["proximity"], "overlapping");
   EXPECT_EQ(object["witness"].size(), 3U);
   EXPECT_TRUE(object["closest_points"].is_null());
+}
+
+TEST_F(DistanceCommand, SaysHowDeepOverlappingModelsReachIntoEachOther) {
+  const auto a = ball("a.json", "mm", 0.0);
+  const auto b = ball("b.json", "mm", 1.5);
+  const std::string file = path("proof.json");
+  const Outcome outcome = distance({a, b, "--certificate-file", file});
+  EXPECT_THAT(outcome.out, HasSubstr("(proven: they overlap; moving B by 0.5 mm, the right way, ends that)\n"));
+  const auto depth = nlohmann::json::parse(distance({a, b, "--json"}).out)["penetration_depth"];
+  EXPECT_GE(depth["lo"].get<double>(), 0.49999);
+  EXPECT_EQ(depth["hi"], 0.5);
+  EXPECT_TRUE(
+      nlohmann::json::parse(distance({a, a, "--pose", "9,0,0,1,0,0,0", "--json"}).out)["penetration_depth"].is_null());
+  const auto check = [&](const std::string& of) {
+    return run({"check", "--certificate", of, "--model", a, "--model", b});
+  };
+  const Outcome proved = check(file);
+  EXPECT_EQ(proved.status, 0) << proved.err;
+  EXPECT_THAT(proved.out, HasSubstr("penetration depth  proved\n"));
+  auto forged = nlohmann::json::parse(contents(file));
+  forged["penetration"]["depth"]["lo"] = 0.6;
+  forged["penetration"]["depth"]["hi"] = 0.7;
+  const Outcome refuted = check(write("forged.json", forged.dump()));
+  EXPECT_EQ(refuted.status, 3);
+  EXPECT_THAT(refuted.out, HasSubstr("penetration depth  refuted\n"));
+  forged["penetration"]["proof"]["surface"]["on_a"].erase(0);
+  EXPECT_THAT(check(write("short.json", forged.dump())).err, HasSubstr("on_a"));
 }
 
 TEST_F(DistanceCommand, SaysThatTouchingIsUndecided) {

@@ -84,6 +84,7 @@ def one_of_each():
     results = [
         certified, certified.certificates, verisq.Checker(model).points(points, *list(certified)[:2], certified.certificates),
         verisq.closest_points(model, points), verisq.closest_pairs(model, model, [[20, 0, 0, 1, 0, 0, 0]]), pair, pair.closest, pair.distance,
+        verisq.distance(model, model), verisq.certified_distance(model, model),
         verisq.certified_distance(bent, bent, [0.2, 0.05, 0, 1, 0.2, 0.1, 0.05], tolerance=1e-3),
         verisq.distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]), deviation, deviation.of_vertices,
         verisq.certified_distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]),

@@ -227,7 +227,23 @@ class SingleQueries(unittest.TestCase):
         self.assertEqual((pair.proximity, pair.complete, pair.common), ("separated", True, None))
         self.assertTrue(pair.closest.unique)
         self.assertEqual([list(box) for box in pair.closest.on_b], printed["closest_points"]["on_b"])
+        self.assertIsNone(pair.penetration_depth)
         self.assertEqual(verisq.distance(model("soap.json"), model("soap.json")).proximity, "overlapping")
+
+    def test_pairs_that_overlap(self):
+        capsule = model("capsule.json")
+        pose = [1.4, 0, 0, 1, 0, 0, 0]  # its radius is 0.75
+        pair = verisq.distance(capsule, capsule, pose)
+        self.assertIn(1.5 - 1.4, pair.penetration_depth)
+        self.assertLess(pair.penetration_depth.width, 1e-5)
+        certified = verisq.certified_distance(capsule, capsule, pose)
+        self.assertEqual(certified.penetration_depth, pair.penetration_depth)
+        self.assertTrue(certified.is_proved(capsule, capsule, pose))
+        self.assertFalse(certified.is_proved(capsule, capsule, [1.41, 0, 0, 1, 0, 0, 0]))
+        answer = certified.answer(EXAMPLES / "capsule.json", EXAMPLES / "capsule.json", pose)
+        claims = answer.check(models=[EXAMPLES / "capsule.json"] * 2)
+        self.assertEqual([(claim.what, claim.verdict) for claim in claims],
+                         [("distance", "proved"), ("penetration depth", "proved")])
 
     def test_pairs_that_are_searched(self):
         pose = [0, 0, 120, 1, 0, 0, 0]
