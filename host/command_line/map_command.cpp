@@ -25,6 +25,7 @@
 #include "verify/solids/model.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // `verisq map`: an enclosure of the distance for each vertex or triangle of a mesh or point of a file.
 
@@ -50,12 +51,6 @@ struct MapArguments {
   bool no_progress = false;
 };
 
-void declare_map(Options& options, MapArguments& arguments);
-
-/// Throws Error(input) for errors that the user can correct, before the first distance is computed (a file of points is
-/// a stream: its later lines are checked as they come).
-ExitStatus run_map(const MapArguments& arguments);
-
 // `verisq merge`: the whole of a map whose parts several processes made.
 
 struct MergeArguments {
@@ -64,13 +59,6 @@ struct MergeArguments {
   bool mixed_devices = false;
   bool json = false;
 };
-
-void declare_merge(Options& options, MergeArguments& arguments);
-
-/// The status of the whole map. Throws Error(input) for parts that do not belong together.
-ExitStatus run_merge(const MergeArguments& arguments);
-
-namespace {
 
 constexpr const char* closing_words_of_map =
     "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
@@ -438,8 +426,6 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   return map_to_file(peeked, drawn_part ? nullptr : stream.mesh(), make_mapper, request);
 }
 
-}  // namespace
-
 void declare_map(Options& options, MapArguments& arguments) {
   options.explain(closing_words_of_map);
   declare_inputs(options, arguments.inputs);
@@ -489,6 +475,8 @@ void declare_map(Options& options, MapArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed (a file of points is
+/// a stream: its later lines are checked as they come).
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
   Deadline limit(arguments.time_limit, interrupted);
@@ -511,6 +499,8 @@ ExitStatus run_map(const MapArguments& arguments) {
   return elements == MapElements::vertices ? map_and_report<PointStream>(model, elements, arguments, options, limit)
                                            : map_and_report<TriangleStream>(model, elements, arguments, options, limit);
 }
+
+}  // namespace
 
 Command map_command() {
   return command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map);
@@ -583,8 +573,6 @@ std::string json(const MergedMap& merged, const MergeArguments& arguments, doubl
   return object.text() + "\n";
 }
 
-}  // namespace
-
 void declare_merge(Options& options, MergeArguments& arguments) {
   options.explain(closing_words_of_merge);
   options.require_each("PARTS", arguments.parts, "PARTS",
@@ -595,6 +583,7 @@ void declare_merge(Options& options, MergeArguments& arguments) {
   options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
 }
 
+/// The status of the whole map. Throws Error(input) for parts that do not belong together.
 ExitStatus run_merge(const MergeArguments& arguments) {
   const Stopwatch time;
   const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
@@ -603,6 +592,8 @@ ExitStatus run_merge(const MergeArguments& arguments) {
   fmt::print("{}", arguments.json ? json(merged, arguments, seconds) : readable(merged, arguments, seconds));
   return merged.whole.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
+
+}  // namespace
 
 Command merge_command() {
   return command("merge", "Make one map of all its parts, after checking that they belong together", declare_merge,

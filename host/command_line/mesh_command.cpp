@@ -23,6 +23,7 @@
 #include "host/prepare/mesh_geometry.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The summary of a model's mesh on the standard output: for people, or as one JSON object.
 
@@ -36,11 +37,6 @@ struct MeshReport {
   std::string units;  ///< of the model; empty when not given
   double seconds;
 };
-
-[[nodiscard]] std::string readable(const MeshReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const MeshReport& report);
 
 // `verisq mesh`: a model's surface as a closed triangle mesh.
 
@@ -56,19 +52,10 @@ struct MeshArguments {
   bool no_progress = false;
 };
 
-void declare_mesh(Options& options, MeshArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_mesh(const MeshArguments& arguments);
-
-namespace {
-
 /// A cube of lengths may have no binary64 number; the mesh has a volume above 0.
 bool is_told(double volume) {
   return volume > 0.0 && std::isfinite(volume);
 }
-
-}  // namespace
 
 std::string readable(const MeshReport& report) {
   const std::string units = units_behind(report.units);
@@ -92,6 +79,7 @@ std::string readable(const MeshReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const MeshReport& report) {
   const MeshTopology& topology = report.topology;
   const JsonObject object{
@@ -111,8 +99,6 @@ std::string json(const MeshReport& report) {
   };
   return object.text() + "\n";
 }
-
-namespace {
 
 constexpr const char* closing_words =
     "The mesh is closed, manifold and oriented outward, which is checked of every mesh; of a union it is the boundary\n"
@@ -198,8 +184,6 @@ ProvenMesh proven_mesh(const Model& model, const MeshArguments& arguments, const
   }
 }
 
-}  // namespace
-
 void declare_mesh(Options& options, MeshArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--model", arguments.model);
@@ -214,6 +198,7 @@ void declare_mesh(Options& options, MeshArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_mesh(const MeshArguments& arguments) {
   if (!arguments.deviation) refuse("--deviation is required");
   check_mesh_name(arguments.output);
@@ -245,6 +230,8 @@ ExitStatus run_mesh(const MeshArguments& arguments) {
   const double reached = proven.deviation ? proven.deviation->hi : found.estimated_deviation;
   return reached <= *arguments.deviation ? ExitStatus::verified : ExitStatus::unverified;
 }
+
+}  // namespace
 
 Command mesh_command() {
   return command("mesh", "Write a model's surface as a closed mesh, to a given deviation", declare_mesh, run_mesh);

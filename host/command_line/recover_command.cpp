@@ -28,6 +28,7 @@
 #include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The summary of a recovery on the standard output: for people, or as one JSON object.
 
@@ -40,9 +41,6 @@ struct ContainedWords {
 
 /// Without its dashes.
 [[nodiscard]] std::string option_of(Containment containment);
-
-/// Why it is not proven. Precondition: it is not.
-[[nodiscard]] std::string obstacle(const ContainedWords& contained);
 
 struct RecoverReport {
   const Recovery& recovery;
@@ -61,11 +59,6 @@ struct RecoverReport {
   /// Returns whether the model is proven to be where it was requested to be; true if nothing was requested.
   [[nodiscard]] bool is_contained() const { return !contained || contained->proof.proven; }
 };
-
-[[nodiscard]] std::string readable(const RecoverReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const RecoverReport& report);
 
 // `verisq recover`: a model from a point cloud or a mesh.
 
@@ -91,13 +84,6 @@ struct RecoverArguments {
   bool json = false;
   bool no_progress = false;
 };
-
-void declare_recover(Options& options, RecoverArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_recover(const RecoverArguments& arguments);
-
-namespace {
 
 std::string columns(const EstimatedDeviation& deviation) {
   return fmt::format("{:>12.4g}{:>12.4g}{:>12.4g}", deviation.mean, deviation.percentile_95, deviation.largest);
@@ -175,12 +161,11 @@ JsonValue as_json(const EstimatedDeviation& deviation) {
                     {"largest", deviation.largest}};
 }
 
-}  // namespace
-
 std::string option_of(Containment containment) {
   return containment == Containment::within ? "inside" : "outside";
 }
 
+/// Why it is not proven. Precondition: it is not.
 std::string obstacle(const ContainedWords& contained) {
   const ContainmentProof& proof = contained.proof;
   const std::string option = "--" + option_of(contained.containment);
@@ -218,6 +203,7 @@ std::string readable(const RecoverReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const RecoverReport& report) {
   const Recovery& recovery = report.recovery;
   JsonValue::Array stages;
@@ -247,8 +233,6 @@ std::string json(const RecoverReport& report) {
   if (!report.certificate.empty()) object.set("certificate", report.certificate);
   return object.text() + "\n";
 }
-
-namespace {
 
 constexpr std::size_t most_primitives = 64;
 constexpr std::size_t most_for_deviation = 24;  // where --deviation alone says when to stop
@@ -423,8 +407,6 @@ double parse_share(std::string_view option, const std::string& text) {
   return *share;
 }
 
-}  // namespace
-
 void declare_recover(Options& options, RecoverArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
@@ -457,6 +439,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_recover(const RecoverArguments& arguments) {
   Deadline limit(arguments.time_limit, interrupted);
   const RecoveryOptions options = options_of(arguments, limit);
@@ -502,6 +485,8 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const ExitStatus status = status_of(report);
   return status == ExitStatus::verified && !certificate ? ExitStatus::unverified : status;
 }
+
+}  // namespace
 
 Command recover_command() {
   return command("recover", "Make a model of a point cloud or a mesh, without proof", declare_recover, run_recover);

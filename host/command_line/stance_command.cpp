@@ -414,10 +414,6 @@ bool all_proven(const StanceSummary& summary) {
          (!summary.bounce || is_proven(*summary.bounce));
 }
 
-}  // namespace
-
-namespace {
-
 void declare_simulation(Options& options, StanceArguments& arguments) {
   options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
               "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");

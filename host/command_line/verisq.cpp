@@ -31,15 +31,13 @@
 #include "host/threads/background_work.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // `verisq devices`: every OpenCL device, with the outcome of its self-test; `--report` measures their accuracy.
 
 struct DevicesArguments {
   bool report = false;
 };
-
-void declare_devices(Options& options, DevicesArguments& arguments);
-[[nodiscard]] ExitStatus run_devices(const DevicesArguments& arguments);
 
 // An OpenCL driver that ends the process: the command starts again without OpenCL devices.
 
@@ -64,14 +62,6 @@ class DriverCrashWatch {
 struct SurfaceProgramArguments {
   std::vector<std::string> all;  ///< the words after the command
 };
-
-void declare_surface_program(Options& options, SurfaceProgramArguments& arguments);
-
-/// Never returns: the process becomes the other program. Throws Error(input) where that does not lie in the folder of
-/// the running program, Error(failure) where it does not start.
-ExitStatus run_surface_program(const SurfaceProgramArguments& arguments);
-
-namespace {
 
 constexpr const char* closing_words_of_devices =
     "The self-test runs the device's arithmetic against the host's, rounding error by rounding error. `--device` of\n"
@@ -196,8 +186,6 @@ ExitStatus print_report(const std::vector<DeviceReport>& devices) {
   return count == 0 ? ExitStatus::verified : ExitStatus::failed;
 }
 
-}  // namespace
-
 void declare_devices(Options& options, DevicesArguments& arguments) {
   options.explain(closing_words_of_devices);
   options.add_flag("--report", arguments.report, "Measure instead how tight every directed operation is, in ulp");
@@ -210,6 +198,8 @@ ExitStatus run_devices(const DevicesArguments& arguments) {
   for (const auto& device : devices) print(device);
   return ExitStatus::verified;
 }
+
+}  // namespace
 
 Command devices_command() {
   return command("devices", "List every OpenCL device and the outcome of its self-test", declare_devices, run_devices);
@@ -325,8 +315,6 @@ void take_signals_and_exits() {
   [[maybe_unused]] static const int registered = std::atexit(handle_exit);
 }
 
-}  // namespace
-
 DriverCrashWatch::DriverCrashWatch(int argc, char** argv) {
   static const Restart made = restart(argc, argv);
   prepared = &made;
@@ -342,6 +330,8 @@ void declare_surface_program(Options& options, SurfaceProgramArguments& argument
   options.take_all(arguments.all);
 }
 
+/// Never returns: the process becomes the other program. Throws Error(input) where that does not lie in the folder of
+/// the running program, Error(failure) where it does not start.
 ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "verisq-surface";
   std::vector<std::string> words{name_of_caller, "surface"};
@@ -357,6 +347,8 @@ ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
   throw Error(ErrorKind::failure,
               fmt::format("{}: cannot start: {}", program.string(), std::generic_category().message(errno)));
 }
+
+}  // namespace
 
 Command surface_command() {
   return command("surface", surface_description, declare_surface_program, run_surface_program);
@@ -382,7 +374,6 @@ std::vector<Command> commands() {
 }
 
 }  // namespace
-
 }  // namespace verisq::command_line
 
 int main(int argc, char** argv) {

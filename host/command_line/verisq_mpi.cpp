@@ -36,6 +36,7 @@
 #include "host/mpi/shared_map.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // A command that all ranks of an MPI job run together.
 
@@ -65,25 +66,7 @@ struct SharedRowsArguments {
   bool json = false;
 };
 
-/// Adds --device, --device-of-rank, -o, --resume, --json.
-void declare_shared_rows(Options& options, SharedRowsArguments& arguments);
-
-/// The device on which this rank computes.
-[[nodiscard]] std::string device_of(const SharedRowsArguments& arguments, const mpi::Session& session);
-
-/// "tolerance" and "format".
-[[nodiscard]] std::vector<PartSetting> settings_of(const SharedRowsArguments& arguments, double tolerance);
-
-/// Makes all ranks compute the rows; rank 0 prints the summary. Like `mpi::shared_map`.
-ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMapRequest& request, double tolerance,
-                      const mpi::Session& session, const mpi::RangeMap& map);
-
 // `verisq-mpi batch`: the cases of a cohort by all ranks of an MPI job.
-
-void declare_shared_batch(Options& options, BatchArguments& arguments);
-
-/// Called by all ranks. Throws Error(input) for the manifest alone.
-ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session& session);
 
 // `verisq-mpi map`: one map by all ranks of an MPI job.
 
@@ -129,8 +112,6 @@ ExitStatus run_guarded(const mpi::Session& session, const std::function<ExitStat
   }
 }
 
-namespace {
-
 void print(const mpi::SharedMapResult& result, const SharedRowsArguments& arguments, const mpi::Session& session,
            double tolerance, double seconds) {
   const MapSummary& summary = result.summary;
@@ -165,8 +146,7 @@ void print(const mpi::SharedMapResult& result, const SharedRowsArguments& argume
   fmt::print("map                {}\n", quotation(arguments.output));
 }
 
-}  // namespace
-
+/// Adds --device, --device-of-rank, -o, --resume, --json.
 void declare_shared_rows(Options& options, SharedRowsArguments& arguments) {
   options.add("--device", arguments.device, "DEVICE", "As of `verisq map`, on every rank");
   options.add_flag("--device-of-rank", arguments.device_of_rank,
@@ -176,17 +156,20 @@ void declare_shared_rows(Options& options, SharedRowsArguments& arguments) {
   options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
 }
 
+/// The device on which this rank computes.
 std::string device_of(const SharedRowsArguments& arguments, const mpi::Session& session) {
   if (!arguments.device_of_rank) return arguments.device;
   const std::size_t devices = test_devices().size();
   return devices == 0 ? "host" : std::to_string(static_cast<std::size_t>(session.local_rank()) % devices);
 }
 
+/// "tolerance" and "format".
 std::vector<PartSetting> settings_of(const SharedRowsArguments& arguments, double tolerance) {
   return {{"tolerance", fmt::format("{}", tolerance)},
           {"format", std::filesystem::path(arguments.output).extension().string()}};
 }
 
+/// Makes all ranks compute the rows; rank 0 prints the summary. Like `mpi::shared_map`.
 ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMapRequest& request, double tolerance,
                       const mpi::Session& session, const mpi::RangeMap& map) {
   const Stopwatch time;
@@ -207,8 +190,6 @@ ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMap
   if (session.rank() == 0) print(result, arguments, session, tolerance, time.seconds());
   return result.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
-
-namespace {
 
 constexpr const char* closing_words_of_batch =
     "The manifest, and what DIR gets, are those of `verisq batch`:\n"
@@ -273,13 +254,12 @@ BatchRun run_own(const BatchArguments& arguments, const std::vector<BatchCase>& 
                    {.jobs = 1, .program = program_beside_this_one(), .next = next, .progress = show});
 }
 
-}  // namespace
-
 void declare_shared_batch(Options& options, BatchArguments& arguments) {
   options.explain(closing_words_of_batch);
   declare_cohort(options, arguments);
 }
 
+/// Called by all ranks. Throws Error(input) for the manifest alone.
 ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session& session) {
   const std::vector<BatchCase> cases = read_manifest(arguments.manifest);
   if (const auto program = program_beside_this_one(); !std::filesystem::exists(program))
@@ -292,6 +272,7 @@ ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session&
   return status[0];
 }
 
+}  // namespace
 }  // namespace verisq::command_line
 
 namespace {
@@ -399,8 +380,6 @@ ExitStatus map_all(const SharedMapArguments& arguments, const mpi::Session& sess
   return share_rows(arguments.rows, request, options.tolerance, session, map);
 }
 
-}  // namespace
-
 void declare_shared_map(Options& options, SharedMapArguments& arguments) {
   options.explain(closing_words_of_map);
   declare_inputs(options, arguments.inputs);
@@ -419,8 +398,6 @@ ExitStatus run_shared_map(const SharedMapArguments& arguments, const mpi::Sessio
   if (arguments.on == MapElements::triangles) return map_all<TriangleStream>(arguments, session);
   return map_all<PointStream>(arguments, session);
 }
-
-namespace {
 
 constexpr const char* closing_words_of_insert =
     "The options are those of `verisq insert`:\n"
@@ -447,8 +424,6 @@ std::vector<PartSetting> settings_of(const SharedInsertArguments& arguments, dou
   for (const Pose& pose : path) settings.push_back({"way", option_text(pose)});
   return settings;
 }
-
-}  // namespace
 
 void declare_shared_insert(Options& options, SharedInsertArguments& arguments) {
   options.explain(closing_words_of_insert);
@@ -478,4 +453,5 @@ ExitStatus run_shared_insert(const SharedInsertArguments& arguments, const mpi::
   return share_rows(arguments.rows, request, tolerance, session, map);
 }
 
+}  // namespace
 }  // namespace verisq::command_line

@@ -26,6 +26,7 @@
 #include "verify/numbers/points.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The surface of a label of a volume that a command is given.
 
@@ -37,18 +38,7 @@ struct LabelInput {
   LabelSurface surface;  ///< its triangles are small against the voxels
 };
 
-/// Throws Error(input), which names the labels of the file where `label` is not one of them or is missing, and there
-/// are several; and where `space` is asked for of a file that does not say which one it is in. Without it: LPS.
-[[nodiscard]] LabelInput read_label(const std::string& name, std::optional<std::uint16_t> label,
-                                    std::optional<AnatomicalSpace> space);
-
 // Options that say how thick a cortex is: --thickness, once or by heights, --axis.
-
-/// The thickness from `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the
-/// name of a landmark that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its
-/// proximal end, if they name both, else along z. Ascending, whatever their order. Throws Error(input).
-[[nodiscard]] CorticalThickness thickness_of(const std::vector<std::string>& texts, const std::optional<Point>& axis,
-                                             const FemurLandmarks& landmarks);
 
 // The summary of a prepared surface on the standard output: for people, or as one JSON object.
 
@@ -62,11 +52,6 @@ struct SurfaceReport {
   std::string output;             ///< the file
   double seconds;
 };
-
-[[nodiscard]] std::string readable(const SurfaceReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const SurfaceReport& report);
 
 // `verisq surface`, which is the program `verisq-surface`: a closed oriented surface from a point cloud, a damaged
 // mesh or a label of a volume, and the canal within one.
@@ -95,13 +80,6 @@ struct SurfaceArguments {
   bool no_progress = false;
 };
 
-void declare_surface(Options& options, SurfaceArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_surface(const SurfaceArguments& arguments);
-
-namespace {
-
 /// "1 (250 voxels), 2 (17 voxels)".
 std::string listed(const std::vector<LabelCount>& labels) {
   constexpr std::size_t most = 20;
@@ -122,8 +100,8 @@ std::uint16_t chosen(const std::string& volume, const std::vector<LabelCount>& l
   return *label;
 }
 
-}  // namespace
-
+/// Throws Error(input), which names the labels of the file where `label` is not one of them or is missing, and there
+/// are several; and where `space` is asked for of a file that does not say which one it is in. Without it: LPS.
 LabelInput read_label(const std::string& name, std::optional<std::uint16_t> label,
                       std::optional<AnatomicalSpace> space) {
   LabelVolume volume = read_label_volume(name);
@@ -140,8 +118,6 @@ LabelInput read_label(const std::string& name, std::optional<std::uint16_t> labe
           .voxel_lengths = lengths,
           .surface = label_surface(volume, one)};
 }
-
-namespace {
 
 constexpr std::string_view option = "--thickness";
 
@@ -166,8 +142,9 @@ double height_of(const std::string& at, const std::string& text, const Point& ax
   refuse(fmt::format("{}: {}: --landmarks has no {}", option, text, at));
 }
 
-}  // namespace
-
+/// The thickness from `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the
+/// name of a landmark that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its
+/// proximal end, if they name both, else along z. Ascending, whatever their order. Throws Error(input).
 CorticalThickness thickness_of(const std::vector<std::string>& texts, const std::optional<Point>& axis,
                                const FemurLandmarks& landmarks) {
   CorticalThickness thickness{.at = {}, .axis = axis_of(axis, landmarks)};
@@ -184,8 +161,6 @@ CorticalThickness thickness_of(const std::vector<std::string>& texts, const std:
   if (twice != thickness.at.end()) refuse(fmt::format("{}: height {} is given twice", option, twice->height));
   return thickness;
 }
-
-namespace {
 
 const char* name(SurfaceMethod method) {
   switch (method) {
@@ -252,8 +227,6 @@ const char* word(Facing facing) {
   return facing == Facing::inward ? "inward" : "outward";
 }
 
-}  // namespace
-
 std::string readable(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
   std::string text = how_made(report);
@@ -279,6 +252,7 @@ std::string readable(const SurfaceReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
   const LabelInput* const label = report.label;
@@ -322,8 +296,6 @@ std::string json(const SurfaceReport& report) {
   };
   return object.text() + "\n";
 }
-
-namespace {
 
 constexpr const char* closing_words =
     "Points become a surface by one of two methods:\n"
@@ -451,8 +423,6 @@ void explain(const SurfaceCheck& check, const SurfaceOptions& options, const std
   if (check.self_intersecting) tell(fmt::format("{} intersects itself", output));
 }
 
-}  // namespace
-
 void declare_surface(Options& options, SurfaceArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
@@ -495,8 +465,6 @@ void declare_surface(Options& options, SurfaceArguments& arguments) {
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
-
-namespace {
 
 /// The input prepared by the options, and the messages about it.
 struct Prepared {
@@ -572,8 +540,7 @@ bool is_as_asked(const SurfaceCheck& check, const SurfaceOptions& options) {
   return topology.manifold() && topology.oriented() && check.rims == 1;
 }
 
-}  // namespace
-
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_surface(const SurfaceArguments& arguments) {
   SurfaceOptions options = options_of(arguments);
   check_mesh_name(arguments.output);
@@ -611,6 +578,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
   return is_as_asked(check, options) && !hollowed_out ? ExitStatus::verified : ExitStatus::unverified;
 }
 
+}  // namespace
 }  // namespace verisq::command_line
 
 int main(int argc, char** argv) {

@@ -24,10 +24,6 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
-
-/// The whole file. `sources` are the pieces, relative to it; `closest_points`: whether they have closest points.
-[[nodiscard]] std::string pvtp_document(std::span<const std::string> sources, bool closest_points);
-
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
@@ -237,8 +233,7 @@ std::string results(bool closest_points) {
   return text + array("Int32", "primitive", 1);
 }
 
-}  // namespace
-
+/// The whole file. `sources` are the pieces, relative to it; `closest_points`: whether they have closest points.
 std::string pvtp_document(std::span<const std::string> sources, bool closest_points) {
   std::string text =
       "<?xml version=\"1.0\"?>\n"
@@ -250,8 +245,6 @@ std::string pvtp_document(std::span<const std::string> sources, bool closest_poi
   for (const std::string& source : sources) text += fmt::format("    <Piece Source=\"{}\"/>\n", in_attribute(source));
   return text + "  </PPolyData>\n</VTKFile>\n";
 }
-
-namespace {
 
 struct GivenPart {
   std::filesystem::path path;

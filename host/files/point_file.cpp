@@ -21,6 +21,7 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
+namespace {
 
 /// Has the members of `PointFile`.
 class PointSource {
@@ -40,13 +41,6 @@ class PointSource {
   [[nodiscard]] virtual std::optional<std::uint64_t> count() const { return std::nullopt; }
 };
 
-[[nodiscard]] std::unique_ptr<PointSource> text_points(InputFile file);
-
-/// `path` is that of the file; empty for the standard input.
-[[nodiscard]] std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::path& path);
-
-namespace {
-
 static_assert(sizeof(Point) == 3 * sizeof(double));
 
 class TextPoints final : public PointSource {
@@ -64,13 +58,9 @@ class TextPoints final : public PointSource {
   NumberRows rows_;
 };
 
-}  // namespace
-
 std::unique_ptr<PointSource> text_points(InputFile file) {
   return std::make_unique<TextPoints>(std::move(file));
 }
-
-namespace {
 
 constexpr std::array<std::string_view, 3> coordinate_names{"x", "y", "z"};
 
@@ -261,8 +251,7 @@ class PointsInFortranOrder final : public NpyPoints {
   std::vector<Numbers> columns_;
 };
 
-}  // namespace
-
+/// `path` is that of the file; empty for the standard input.
 std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::path& path) {
   const NpyHeader header = read_npy_header(file);
   const CoordinateType type = type_of(file, header);
@@ -273,8 +262,6 @@ std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::p
   }
   return std::make_unique<PointsInFortranOrder>(file, path, type, count);
 }
-
-namespace {
 
 std::unique_ptr<PointSource> open_points(const std::filesystem::path& path) {
   const bool from_standard_input = path == "-";

@@ -16,6 +16,7 @@
 #include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
+namespace {
 
 /// Reads quantities in the order of the file. The first that names a parameter defines it; later ones that give its
 /// name alone share it.
@@ -43,8 +44,6 @@ class Quantities {
 
   std::vector<Parameter> parameters_;
 };
-
-namespace {
 
 constexpr std::array axes{"x", "y", "z"};
 
@@ -111,8 +110,6 @@ bool is_name_alone(const XmlElement& element) {
 std::string text_if_any(const XmlElement& element, const char* attribute) {
   return element.has(attribute) ? element.text(attribute) : "";
 }
-
-}  // namespace
 
 Quantity Quantities::read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what) {
   element.check_attributes({"parameter", "unit", "description", "value", "nominal", "deviation", "lower", "upper"});
@@ -184,8 +181,6 @@ Quantity Quantities::define(const XmlElement& element, Quantity quantity) {
                          quantity.nominal, quantity.range});
   return quantity;
 }
-
-namespace {
 
 constexpr const char* must_be_positive = "must be positive";
 constexpr const char* must_not_be_negative = "must not be negative";

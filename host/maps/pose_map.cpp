@@ -42,6 +42,8 @@ namespace verisq {
   return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
 }
 
+namespace {
+
 /// Throws Error(input) unless all numbers are finite and the quaternion is not zero.
 inline void require_pose(const Pose& pose) {
   const auto finite = [](double c) { return std::isfinite(c); };
@@ -52,12 +54,6 @@ inline void require_pose(const Pose& pose) {
 }
 
 // The map of poses where a model has a bend or set operations.
-
-/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
-/// Error(input), and for a model that is proven to have no point.
-[[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
-
-namespace {
 
 /// A point and how far the solid reaches from it, rounded up.
 struct Reach {
@@ -126,8 +122,8 @@ class SolidPoseProver {
   ModelSearch search_;
 };
 
-}  // namespace
-
+/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
+/// Error(input), and for a model that is proven to have no point.
 std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options) {
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
@@ -137,8 +133,6 @@ std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, c
       SolidPoseProver(a, b, options), of_host, a, PreparedMap<Pose, SolidPoseProver>::MakeBatch(),
       "poses of bent solids and set operations are searched on the host");
 }
-
-namespace {
 
 class PoseProver {
  public:

@@ -17,11 +17,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<Finding> = 2;
-template <>
-inline constexpr std::size_t member_count<JudgedClaim> = 6;
-
 /// An answer is pickled as the text of its file.
 template <>
 struct Packing<Answer> {

@@ -20,15 +20,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<PointAcross> = 2;
-template <>
-inline constexpr std::size_t member_count<CommonPoint> = 2;
-template <>
-inline constexpr std::size_t member_count<ContainmentCertificate> = 2;
-template <>
-inline constexpr std::size_t member_count<ContainmentProof> = 11;
-
 namespace {
 
 namespace py = pybind11;
@@ -160,19 +151,6 @@ void declare_clearances(py::module_& module) {
   declare_containments(module);
 }
 
-template <>
-inline constexpr std::size_t member_count<DistanceStatistics> = 4;
-template <>
-inline constexpr std::size_t member_count<Deviation> = 12;
-template <>
-inline constexpr std::size_t member_count<DistanceSummary> = 3;
-template <>
-inline constexpr std::size_t member_count<SurfaceProof> = 4;
-template <>
-inline constexpr std::size_t member_count<AreaStatistics> = 2;
-template <>
-inline constexpr std::size_t member_count<DeviationCertificate> = 3;
-
 namespace {
 
 namespace py = pybind11;
@@ -211,8 +189,6 @@ struct PythonCertifiedDeviation {
   std::optional<AreaStatistics> statistics_from_model;
   std::optional<Enclosure> hausdorff;
   DeviationCertificate certificate;
-
-  static constexpr std::size_t members = 7;
 };
 
 PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,

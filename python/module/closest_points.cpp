@@ -140,8 +140,6 @@ namespace py = pybind11;
 struct PythonClosestPairs {
   std::vector<ClosestPoints> rows;
   ClosestPointSummary summary;
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonClosestPairs closest_pairs_of(const PythonModel& a, const PythonModel& b, const py::handle& object) {

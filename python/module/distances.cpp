@@ -98,8 +98,6 @@ struct PythonPair {
   std::optional<ClosestPoints> closest;
   std::optional<Point> common;
   bool complete;
-
-  static constexpr std::size_t members = 5;
 };
 
 std::string word(Proximity proximity) {
@@ -146,8 +144,6 @@ PythonPair distance(const PythonModel& a, const PythonModel& b, const py::handle
 struct CertifiedPair {
   Enclosure distance;
   PairCertificate certificate;
-
-  static constexpr std::size_t members = 2;
 };
 
 CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b,
@@ -232,15 +228,6 @@ void declare_pairs(py::module_& module) {
              "or set operations it may be wider than that of distance(), as of bent necks beside rims.");
 }
 
-template <>
-inline constexpr std::size_t member_count<PathDistance> = 8;
-template <>
-inline constexpr std::size_t member_count<PathClaims> = 2;
-template <>
-inline constexpr std::size_t member_count<PathPart> = 2;
-template <>
-inline constexpr std::size_t member_count<PathCertificate> = 3;
-
 namespace {
 
 namespace py = pybind11;
@@ -290,8 +277,6 @@ PathDistance along(const PythonModel& a, const PythonModel& b, const py::handle&
 struct PythonCertifiedPath {
   PathClaims claims;
   PathCertificate certificate;
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, const py::handle& path,

@@ -30,35 +30,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<AreaClearance> = 9;
-template <>
-inline constexpr std::size_t member_count<Clearance> = 7;
-template <>
-inline constexpr std::size_t member_count<Sides> = 2;
-template <>
-inline constexpr std::size_t member_count<FitMovement> = 3;
-template <>
-inline constexpr std::size_t member_count<FitFinalist> = 7;
-template <>
-inline constexpr std::size_t member_count<Fit> = 13;
-template <>
-inline constexpr std::size_t member_count<PromisingPose> = 3;
-template <>
-inline constexpr std::size_t member_count<FitBound> = 8;
-template <>
-inline constexpr std::size_t member_count<FitTrial> = 5;
-template <>
-inline constexpr std::size_t member_count<FitSolution> = 4;
-template <>
-inline constexpr std::size_t member_count<AreaWithin> = 3;
-template <>
-inline constexpr std::size_t member_count<ContactAreas> = 5;
-template <>
-inline constexpr std::size_t member_count<FitCondition> = 6;
-template <>
-inline constexpr std::size_t member_count<FitProof> = 8;
-
 namespace {
 
 namespace py = pybind11;
@@ -77,8 +48,6 @@ struct PythonFit {
   ClearanceTerms terms;
   std::optional<PythonCertifiedBound> certified_bound;
   std::optional<PythonCertifiedContact> certified_contact;
-
-  static constexpr std::size_t members = 9;
 };
 
 /// "implant", or "implants[k]" where there are several.

@@ -18,25 +18,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<RemovedVolume> = 6;
-template <>
-inline constexpr std::size_t member_count<RemovedVolumeCertificate> = 3;
-template <>
-inline constexpr std::size_t member_count<CertifiedRemovedVolume> = 3;
-template <>
-inline constexpr std::size_t member_count<WayPart> = 3;
-template <>
-inline constexpr std::size_t member_count<InsertionCertificate> = 3;
-template <>
-inline constexpr std::size_t member_count<MovedCell> = 2;
-template <>
-inline constexpr std::size_t member_count<WayTriangle> = 3;
-template <>
-inline constexpr std::size_t member_count<WayWitness> = 4;
-template <>
-inline constexpr std::size_t member_count<WaySurfaceCertificate> = 2;
-
 namespace {
 
 namespace py = pybind11;
@@ -75,8 +56,6 @@ PythonMap map_along(const PythonModel& implant, const py::handle& object, const 
 struct CertifiedWay {
   PythonMap map;
   std::vector<InsertionCertificate> certificates;
-
-  static constexpr std::size_t members = 2;
 };
 
 CertifiedWay certified_map_along(const PythonModel& implant, const py::handle& object, const py::handle& path,
@@ -121,8 +100,6 @@ struct CertifiedMeshClearance {
   CertifiedWay vertices;
   Enclosure smallest_distance;
   WaySurfaceCertificate certificate;
-
-  static constexpr std::size_t members = 3;
 };
 
 std::vector<Enclosure> distances_of(const std::vector<MapResult>& rows) {

@@ -74,8 +74,6 @@ struct PythonPoseUncertainty {
   Point centre;
   unsigned divisions;
 
-  static constexpr std::size_t members = 4;
-
   [[nodiscard]] bool operator==(const PythonPoseUncertainty&) const = default;
   [[nodiscard]] PoseUncertainty bounds() const { return {translation, radians_up(rotation), centre}; }
 };

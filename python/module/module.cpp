@@ -53,9 +53,6 @@ void declare_errors(py::module_& module) {
   py::register_exception_translator(translate);
 }
 
-template <>
-inline constexpr std::size_t member_count<DeviceReport> = 7;
-
 namespace {
 
 namespace py = pybind11;

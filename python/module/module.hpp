@@ -225,8 +225,6 @@ struct PythonMesh {
 struct PythonAnswer {
   Answer answer;
   std::string name = "answer";  ///< stands for its file in messages
-
-  static constexpr std::size_t members = 2;
 };
 
 /// The units that the first of these model files names; "" where none does. Throws Error(input).
@@ -237,8 +235,6 @@ struct PythonAnswer {
 /// One for each row, in the order of the map.
 struct CertificateList {
   std::vector<Certificate> certificates;
-
-  static constexpr std::size_t members = 1;
 };
 
 // The class verisq.ClosestPointMap, and what fills it.
@@ -248,8 +244,6 @@ struct PythonClosestPoints {
   pybind11::array points;
   std::vector<ClosestPoint> rows;
   ClosestPointSummary summary;
-
-  static constexpr std::size_t members = 3;
 };
 
 /// Of an array of shape (N, 3), without Python's lock; the tolerance in model units.
@@ -268,8 +262,6 @@ struct PythonMap {
   std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
   MapSummary summary;
   double tolerance;
-
-  static constexpr std::size_t members = 6;
 };
 
 /// Of so many rows, which are not set.

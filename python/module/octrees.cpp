@@ -24,15 +24,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<OctreeRoot> = 2;
-template <>
-inline constexpr std::size_t member_count<OctreeLevel> = 3;
-template <>
-inline constexpr std::size_t member_count<OctreeCube> = 3;
-template <>
-inline constexpr std::size_t member_count<OctreeSummary> = 10;
-
 namespace {
 
 namespace py = pybind11;
@@ -41,8 +32,6 @@ struct PythonOctree {
   OctreeSummary summary;
   std::vector<OctreeCube> cubes;
   bool complete;
-
-  static constexpr std::size_t members = 3;
 };
 
 PythonOctree octree(const PythonModel& model, const std::optional<int>& depth, const std::optional<double>& tolerance,

@@ -62,8 +62,6 @@ struct PythonFindings {
   py::array_t<std::uint8_t> verdict;
   py::array_t<double> lo;
   py::array_t<double> hi;
-
-  static constexpr std::size_t members = 3;
 };
 
 template <class Query>

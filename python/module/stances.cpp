@@ -23,51 +23,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<stance::Quantity> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::Parameter> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Joint> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Body> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::ContactCylinder> = 16;
-template <>
-inline constexpr std::size_t member_count<stance::Controller> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::AppliedForce> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Model> = 6;
-template <>
-inline constexpr std::size_t member_count<stance::Bounce> = 8;
-template <>
-inline constexpr std::size_t member_count<stance::CylinderLoad> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Standing> = 6;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumCell> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::Equilibrium> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumClaims> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumPart> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumCertificate> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::EigenvalueEnclosure> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::StabilityCell> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Stability> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::MotionContact> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::MotionSlab> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Motion> = 9;
-
 namespace {
 
 namespace py = pybind11;
@@ -77,8 +32,6 @@ using Names = std::optional<std::vector<std::string>>;
 /// Immutable, as read.
 struct PythonStance {
   stance::Model model;
-
-  static constexpr std::size_t members = 1;
 };
 
 std::vector<std::uint32_t> chosen(const PythonStance& self, const Names& names) {
@@ -175,8 +128,6 @@ struct PythonEquilibrium {
   stance::Equilibrium found;
   std::vector<std::string> parameters;  ///< uncertain ones
   std::vector<std::string> cylinders;
-
-  static constexpr std::size_t members = 3;
 };
 
 /// What its certificate proves, and what its numbers are of.
@@ -184,8 +135,6 @@ struct PythonCertifiedEquilibrium {
   stance::EquilibriumClaims claims;
   stance::EquilibriumCertificate certificate;
   std::vector<std::string> cylinders;
-
-  static constexpr std::size_t members = 3;
 };
 
 stance::JointControl control_of(const std::string& word) {
@@ -371,8 +320,6 @@ void declare_equilibria(py::module_& module) {
 struct PythonStability {
   stance::Stability found;
   std::vector<std::string> parameters;  ///< uncertain ones
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonStability stability(const PythonStance& self, const std::string& joints, const Names& uncertain,
