@@ -280,9 +280,6 @@ struct PointFile::State {
 };
 
 PointFile::PointFile(const std::filesystem::path& path) : state_(new State{path, open_points(path)}) {}
-PointFile::~PointFile() = default;
-PointFile::PointFile(PointFile&&) noexcept = default;
-PointFile& PointFile::operator=(PointFile&&) noexcept = default;
 
 std::size_t PointFile::read(std::span<Point> points) {
   const std::size_t count = state_->source->read(points);
@@ -338,9 +335,6 @@ std::optional<Pose> PoseFile::State::next_pose() {
 PoseFile::PoseFile(const std::filesystem::path& path)
     : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {
 }
-PoseFile::~PoseFile() = default;
-PoseFile::PoseFile(PoseFile&&) noexcept = default;
-PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;
 
 std::size_t PoseFile::read(std::span<Pose> poses) {
   std::size_t count = 0;

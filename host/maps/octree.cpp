@@ -437,11 +437,8 @@ struct OctreeBuilder::State {
 OctreeBuilder::OctreeBuilder(const Model& model, const OctreeOptions& options) {
   verify::require_valid_with_meshes(model);
   check(model, options);
-  state_ = std::make_unique<State>(model, options);
+  state_ = hidden<State>(model, options);
 }
-OctreeBuilder::~OctreeBuilder() = default;
-OctreeBuilder::OctreeBuilder(OctreeBuilder&&) noexcept = default;
-OctreeBuilder& OctreeBuilder::operator=(OctreeBuilder&&) noexcept = default;
 
 OctreeSummary OctreeBuilder::build(const OctreeSink& sink) {
   const auto& [options, root, name, notice, front] = *state_;

@@ -278,14 +278,11 @@ struct RemovedVolumeChecker::State {
 RemovedVolumeChecker::RemovedVolumeChecker(const Model& implant, std::span<const Pose> path, const BoneRegion& bone) {
   check_removed_volume_case(implant, path, bone);
   try {
-    state_ = std::make_unique<State>(implant, path, bone);
+    state_ = hidden<State>(implant, path, bone);
   } catch (const std::domain_error&) {
     throw Error(ErrorKind::input, "removed volume: numbers of the implant, the path or the bone overflow");
   }
 }
-RemovedVolumeChecker::~RemovedVolumeChecker() = default;
-RemovedVolumeChecker::RemovedVolumeChecker(RemovedVolumeChecker&&) noexcept = default;
-RemovedVolumeChecker& RemovedVolumeChecker::operator=(RemovedVolumeChecker&&) noexcept = default;
 
 const std::vector<std::size_t>& RemovedVolumeChecker::rims() const {
   return state_->rims;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "verify/proof/posed_superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/fit.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -125,7 +125,6 @@ class SolidField {
  public:
   /// Precondition: a union of convex primitives, at least one.
   SolidField(const Model& model, const Point& centre);
-  ~SolidField();
   SolidField(const SolidField&) = delete;
   SolidField& operator=(const SolidField&) = delete;
 
@@ -144,7 +143,7 @@ class SolidField {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq::verify

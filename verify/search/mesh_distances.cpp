@@ -361,9 +361,7 @@ class MeshSearch::Pieces {
 
 MeshSearch::MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
                        const MeshRegions& regions)
-    : pieces_(std::make_unique<Pieces>(mesh, at_vertices, search, regions)) {}
-
-MeshSearch::~MeshSearch() = default;
+    : pieces_(hidden<Pieces>(mesh, at_vertices, search, regions)) {}
 
 void MeshSearch::search_largest() {
   pieces_->search_largest();

@@ -617,10 +617,7 @@ struct MeshPairDistance::State {
   std::optional<ModelSearch> between_others;
 };
 
-MeshPairDistance::MeshPairDistance(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
-MeshPairDistance::~MeshPairDistance() = default;
-MeshPairDistance::MeshPairDistance(MeshPairDistance&&) noexcept = default;
-MeshPairDistance& MeshPairDistance::operator=(MeshPairDistance&&) noexcept = default;
+MeshPairDistance::MeshPairDistance(const Model& a, const Model& b) : state_(hidden<State>(a, b)) {}
 
 MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const State& s = *state_;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
@@ -57,9 +57,6 @@ class MeshPairDistance {
  public:
   /// Throws Error(input) unless each is the union of its primitives, and for bent superquadrics.
   MeshPairDistance(const Model& a, const Model& b);
-  ~MeshPairDistance();
-  MeshPairDistance(MeshPairDistance&&) noexcept;
-  MeshPairDistance& operator=(MeshPairDistance&&) noexcept;
 
   /// Encloses the distance of A and of B moved by `pose`. Once interrupted, the lower end is 0.
   [[nodiscard]] MeshPair operator()(const Pose& pose, const std::function<bool()>& interrupted) const;
@@ -69,7 +66,7 @@ class MeshPairDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq::verify

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -335,16 +334,9 @@ struct PairDistance::State {
 };
 
 PairDistance::PairDistance(const UncertainModel& a, const UncertainModel& b)
-    : state_(std::make_unique<State>(bracket(a), bracket(b))) {}
+    : state_(hidden<State>(bracket(a), bracket(b))) {}
 
-PairDistance::~PairDistance() = default;
-PairDistance::PairDistance(PairDistance&&) noexcept = default;
-PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
-
-PairDistance::Memory::Memory() : pairs_(std::make_unique<PairMemory>()) {}
-PairDistance::Memory::~Memory() = default;
-PairDistance::Memory::Memory(Memory&&) noexcept = default;
-PairDistance::Memory& PairDistance::Memory::operator=(Memory&&) noexcept = default;
+PairDistance::Memory::Memory() : pairs_(hidden<PairMemory>()) {}
 
 ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   require_valid(pose, "pose");
@@ -405,10 +397,7 @@ struct CertifiedDistances::State {
 };
 
 CertifiedDistances::CertifiedDistances(const Model& a, const Model& b, double tolerance)
-    : state_(std::make_unique<State>(a, b, tolerance)) {}
-CertifiedDistances::~CertifiedDistances() = default;
-CertifiedDistances::CertifiedDistances(CertifiedDistances&&) noexcept = default;
-CertifiedDistances& CertifiedDistances::operator=(CertifiedDistances&&) noexcept = default;
+    : state_(hidden<State>(a, b, tolerance)) {}
 
 CertifiedDistance CertifiedDistances::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   return state_->distance(pose, interrupted);

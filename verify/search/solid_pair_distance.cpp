@@ -524,12 +524,8 @@ struct ModelSearch::State {
 
 ModelSearch::ModelSearch(const Model& a, const Model& b) {
   for (const Model* const model : {&a, &b}) verify::require_valid_with_meshes(*model);
-  state_ = std::make_unique<State>(a, b);
+  state_ = hidden<State>(a, b);
 }
-
-ModelSearch::~ModelSearch() = default;
-ModelSearch::ModelSearch(ModelSearch&&) noexcept = default;
-ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   verify::require_valid(pose, "pose");

@@ -395,12 +395,8 @@ struct TriangleSearch::State {
 
 TriangleSearch::TriangleSearch(const Model& model) {
   verify::require_valid_with_meshes(model);
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-
-TriangleSearch::~TriangleSearch() = default;
-TriangleSearch::TriangleSearch(TriangleSearch&&) noexcept = default;
-TriangleSearch& TriangleSearch::operator=(TriangleSearch&&) noexcept = default;
 
 namespace {
 

@@ -367,12 +367,8 @@ struct TriangleDistance::State {
 
 TriangleDistance::TriangleDistance(const Model& model) {
   require_union_of_convex(model, "distances of triangles");
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-
-TriangleDistance::~TriangleDistance() = default;
-TriangleDistance::TriangleDistance(TriangleDistance&&) noexcept = default;
-TriangleDistance& TriangleDistance::operator=(TriangleDistance&&) noexcept = default;
 
 Enclosure TriangleDistance::operator()(const Triangle& triangle) const {
   return state_->enclose(triangle).distance;
