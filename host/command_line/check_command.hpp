@@ -131,11 +131,18 @@ template <class Claims, class FindingOf>
 [[nodiscard]] JsonValue claims_of(const JudgedAnswer& judged,
                                   const std::function<JsonObject(const JudgedClaim&)>& head);
 
-/// The last lines of a check: its time, and the name of the certificate.
-[[nodiscard]] std::string end_in_words(const JudgedAnswer& judged, double seconds, const CheckArguments& arguments);
+/// An answer whose claims are judged together, and what its kind alone says about them.
+struct JudgedKind {
+  std::string_view elements;  ///< of the progress bar, in the plural; a literal
+  std::string_view steps;     ///< the bar shows them, or
+  std::uint64_t count = 0;    ///< the rate of so many elements
+  std::function<JudgedAnswer(const CheckOptions&)> judge;
+  std::function<std::string(const JudgedAnswer&)> words;   ///< stand above the time and the certificate's name
+  std::function<JsonObject(const JudgedAnswer&)> members;  ///< likewise
+};
 
-/// `verified` where all is proved.
-[[nodiscard]] ExitStatus status_of(const JudgedAnswer& judged);
+/// Judges the answer and prints the findings. `verified` where all is proved.
+[[nodiscard]] ExitStatus proved_again(const JudgedKind& kind, const CheckArguments& arguments);
 
 /// The end that is wrong or open, and the reason. Precondition: not proved.
 [[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);

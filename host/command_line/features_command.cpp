@@ -40,8 +40,6 @@ struct FeaturesReport {
   std::optional<FemurFeatures> changes = {};    ///< changes by an implant
 };
 
-// `verisq features`: head, neck, shaft and condyles of a femur, and a surgeon's measurements of them, as intervals.
-
 /// As typed; `run_features` checks what depends on several of them.
 struct FeaturesArguments {
   std::string mesh;

@@ -61,39 +61,37 @@ struct MergeArguments {
 };
 
 constexpr const char* closing_words_of_map =
-    "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
-    "outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. \"Verified\"\n"
-    "rows are at most the tolerance wide; \"wide\" ones are valid all the same. With --tol 0 those are verified that "
-    "are\n"
-    "as tight as the methods get: at most 1e-12 of the largest coordinate or of the model's radius wide, of points\n"
-    "inside 2e-9 of the radius.\n"
-    "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
-    "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
-    "So it is where the model's place is known to a --translation-error and a --rotation-error, as of a tracked tool.\n"
-    "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
-    "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second\n"
-    "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
-    "With -o - the rows go to the standard output and the summary to the standard error.\n"
-    "A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which\n"
-    "its triangles wind. The host maps to it.\n"
-    "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
-    "the largest); -o may be left out then.\n"
-    "\n"
-    "Exit status: 0 every enclosure is at most the tolerance wide (or the tightest), 3 one is wider, 2 bad usage or\n"
-    "input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
-    "  verisq map --model stem.stl --mesh femur.stl -o clearance.vtp\n"
-    "  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png\n"
-    "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
-    "  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp\n"
-    "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
-    "  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o "
-    "worst.csv\n"
-    "  verisq map --model stem.json --points samples.npy --part 3/8 -o distances.3.npy\n"
-    "  sample | verisq map --model stem.json --points - -o - | plot\n"
-    "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
+    R"(Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive
+outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. "Verified"
+rows are at most the tolerance wide; "wide" ones are valid all the same. With --tol 0 those are verified that are
+as tight as the methods get: at most 1e-12 of the largest coordinate or of the model's radius wide, of points
+inside 2e-9 of the radius.
+Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each
+row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.
+So it is where the model's place is known to a --translation-error and a --rotation-error, as of a tracked tool.
+At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is
+valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second
+Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.
+With -o - the rows go to the standard output and the summary to the standard error.
+A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which
+its triangles wind. The host maps to it.
+--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals
+the largest); -o may be left out then.
+
+Exit status: 0 every enclosure is at most the tolerance wide (or the tightest), 3 one is wider, 2 bad usage or
+input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
+
+Examples:
+  verisq map --model stem.json --mesh femur.off -o clearance.vtp
+  verisq map --model stem.stl --mesh femur.stl -o clearance.vtp
+  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png
+  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp
+  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp
+  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy
+  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o worst.csv
+  verisq map --model stem.json --points samples.npy --part 3/8 -o distances.3.npy
+  sample | verisq map --model stem.json --points - -o - | plot
+  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json)";
 
 constexpr const char* depth_of_overlaps =
     "certificates prove a depth by one primitive alone, and where primitives overlap their union is deeper; the map "
@@ -509,23 +507,18 @@ Command map_command() {
 namespace {
 
 constexpr const char* closing_words_of_merge =
-    "PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` "
-    "wrote,\n"
-    "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes "
-    "on\n"
-    "the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused "
-    "are\n"
-    "gaps and overlaps, parts of other models, inputs, options, devices or "
-    "versions\n"
-    "of verisq, and files that are not those that were written.\n"
-    "\n"
-    "Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts "
-    "do\n"
-    "not belong together.\n"
-    "\n"
-    "Example:\n"
-    "  for i in 1 2 3 4; do verisq map --model stem.json --points samples.npy --part $i/4 -o part.$i.npy; done\n"
-    "  verisq merge part.*.npy -o distances.npy";
+    R"(PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` wrote,
+all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes on
+the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused are
+gaps and overlaps, parts of other models, inputs, options, devices or versions
+of verisq, and files that are not those that were written.
+
+Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts do
+not belong together.
+
+Example:
+  for i in 1 2 3 4; do verisq map --model stem.json --points samples.npy --part $i/4 -o part.$i.npy; done
+  verisq merge part.*.npy -o distances.npy)";
 
 std::string tolerance_of(const MapPart& whole) {
   const auto found = std::ranges::find(whole.settings, "tolerance", &PartSetting::name);

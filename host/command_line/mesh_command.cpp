@@ -38,8 +38,6 @@ struct MeshReport {
   double seconds;
 };
 
-// `verisq mesh`: a model's surface as a closed triangle mesh.
-
 /// As typed; `run_mesh` checks what depends on the file.
 struct MeshArguments {
   std::string model;
@@ -101,21 +99,19 @@ std::string json(const MeshReport& report) {
 }
 
 constexpr const char* closing_words =
-    "The mesh is closed, manifold and oriented outward, which is checked of every mesh; of a union it is the boundary\n"
-    "of the whole, with no triangles inside. Vertices lie on the model's surface, many of them on edges and corners.\n"
-    "STL rounds coordinates to binary32; .ply and .off keep them.\n"
-    "The deviation printed is proven of the mesh as it is written: no point of either surface is farther from the "
-    "other\n"
-    "one. Where it is more than asked for, the model is meshed anew, finer, up to three times. Ctrl-C and "
-    "--time-limit\n"
-    "write no file.\n"
-    "\n"
-    "Exit status: 0 written, the deviation is proven to be at most --deviation; 3 written, it is not, or\n"
-    "ended by --time-limit; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq mesh --model stem.json --deviation 0.05 -o stem.stl\n"
-    "  verisq mesh --model stem.json --deviation 0.01 -o stem.ply --json";
+    R"(The mesh is closed, manifold and oriented outward, which is checked of every mesh; of a union it is the boundary
+of the whole, with no triangles inside. Vertices lie on the model's surface, many of them on edges and corners.
+STL rounds coordinates to binary32; .ply and .off keep them.
+The deviation printed is proven of the mesh as it is written: no point of either surface is farther from the other
+one. Where it is more than asked for, the model is meshed anew, finer, up to three times. Ctrl-C and --time-limit
+write no file.
+
+Exit status: 0 written, the deviation is proven to be at most --deviation; 3 written, it is not, or
+ended by --time-limit; 2 bad usage or input; 130 interrupted by Ctrl-C.
+
+Examples:
+  verisq mesh --model stem.json --deviation 0.05 -o stem.stl
+  verisq mesh --model stem.json --deviation 0.01 -o stem.ply --json)";
 
 /// The property that the mesh lacks, or an empty text.
 std::string defect(const MeshTopology& topology, int volume_sign) {

@@ -34,8 +34,6 @@ struct OctreeReport {
   std::optional<double> tolerance;  ///< tolerance of the volume, if one was given
 };
 
-// `verisq octree`: cubes proven inside and outside a model, and its volume between two bounds.
-
 /// As typed; `run_octree` checks what depends on the file or on several options.
 struct OctreeArguments {
   std::string model;

@@ -43,8 +43,6 @@ struct PathReport {
 /// there is one.
 [[nodiscard]] bool is_free(const PathReport& report);
 
-// `verisq path`: encloses the smallest distance of two models while one of them moves, and when they first meet.
-
 struct PathArguments {
   std::string model_a;
   std::string model_b;
@@ -141,19 +139,19 @@ std::string json(const PathReport& report) {
 }
 
 constexpr const char* closing_words =
-    "Time k is that of the path's pose k, from 0 on. Between two poses the translation is linear in time and the\n"
-    "rotation turns about a fixed axis at constant speed, by the smaller angle (half a turn, which has two ways,\n"
-    "is refused): the answer holds at all times of this motion. [lo, hi] contains the smallest distance of all times,\n"
-    "0 if the models meet; then the first contact lies in the printed interval of time.\n"
-    "\n"
-    "Exit status: 0 the way is proven free: apart at all times, by --clearance at least where it is given; 3 it is\n"
-    "not: the models meet, come too near, or it is open, as by --time-limit; 2 bad usage or input, 130 interrupted by\n"
-    "Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq path cup.json stem.json --poses reduction.csv\n"
-    "  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json\n"
-    "  verisq path table.json gripper.json --poses trajectory.csv --certificate-file free.json";
+    R"(Time k is that of the path's pose k, from 0 on. Between two poses the translation is linear in time and the
+rotation turns about a fixed axis at constant speed, by the smaller angle (half a turn, which has two ways,
+is refused): the answer holds at all times of this motion. [lo, hi] contains the smallest distance of all times,
+0 if the models meet; then the first contact lies in the printed interval of time.
+
+Exit status: 0 the way is proven free: apart at all times, by --clearance at least where it is given; 3 it is
+not: the models meet, come too near, or it is open, as by --time-limit; 2 bad usage or input, 130 interrupted by
+Ctrl-C.
+
+Examples:
+  verisq path cup.json stem.json --poses reduction.csv
+  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json
+  verisq path table.json gripper.json --poses trajectory.csv --certificate-file free.json)";
 
 struct Travellers {
   const Model& a;

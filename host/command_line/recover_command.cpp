@@ -60,8 +60,6 @@ struct RecoverReport {
   [[nodiscard]] bool is_contained() const { return !contained || contained->proof.proven; }
 };
 
-// `verisq recover`: a model from a point cloud or a mesh.
-
 /// As typed; `run_recover` checks what depends on several options.
 struct RecoverArguments {
   std::string points;  ///< empty when `mesh` is given
@@ -238,33 +236,28 @@ constexpr std::size_t most_primitives = 64;
 constexpr std::size_t most_for_deviation = 24;  // where --deviation alone says when to stop
 
 constexpr const char* closing_words =
-    "One primitive is the likeliest superquadric for the points: some may be missing, moved by noise, or outliers "
-    "that\n"
-    "belong to nothing. Several are a union, grown one by one; of a closed mesh they also fill its inside, and "
-    "primitives\n"
-    "that the union does as well without are left out at the end.\n"
-    "\n"
-    "Deviations on the way are estimated from samples, in floating point; that of the result from a mesh is proven, "
-    "as\n"
-    "`verisq deviation` does it. The same seed gives the same model.\n"
-    "\n"
-    "--inside and --outside begin with the same search. Then the union is fitted with the mesh's surface on one side "
-    "of\n"
-    "it, and grows or shrinks until that is proven, of all points of all triangles.\n"
-    "\n"
-    "--certificate-file keeps what proves that once more.\n"
-    "\n"
-    "Ctrl-C and --time-limit end the search: the best model so far is written.\n"
-    "\n"
-    "Exit status: 0 done; 3 written, but --deviation is not reached, --inside or --outside not proven, or the time "
-    "limit\n"
-    "ended it; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq recover --points scan.csv -o part.json\n"
-    "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json\n"
-    "  verisq recover --mesh femur.stl --primitives 6 --report femur.html -o femur.json\n"
-    "  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json";
+    R"(One primitive is the likeliest superquadric for the points: some may be missing, moved by noise, or outliers that
+belong to nothing. Several are a union, grown one by one; of a closed mesh they also fill its inside, and primitives
+that the union does as well without are left out at the end.
+
+Deviations on the way are estimated from samples, in floating point; that of the result from a mesh is proven, as
+`verisq deviation` does it. The same seed gives the same model.
+
+--inside and --outside begin with the same search. Then the union is fitted with the mesh's surface on one side of
+it, and grows or shrinks until that is proven, of all points of all triangles.
+
+--certificate-file keeps what proves that once more.
+
+Ctrl-C and --time-limit end the search: the best model so far is written.
+
+Exit status: 0 done; 3 written, but --deviation is not reached, --inside or --outside not proven, or the time limit
+ended it; 2 bad usage or input; 130 interrupted by Ctrl-C.
+
+Examples:
+  verisq recover --points scan.csv -o part.json
+  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json
+  verisq recover --mesh femur.stl --primitives 6 --report femur.html -o femur.json
+  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json)";
 
 std::optional<Containment> containment_of(const RecoverArguments& arguments) {
   if (arguments.inside) return Containment::within;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <verisq/distance.hpp>
-#include <verisq/files.hpp>
 #include <verisq/version.hpp>
 
 #include "host/command_line/inputs.hpp"

@@ -357,10 +357,10 @@ Command surface_command() {
 namespace {
 
 constexpr const char* closing_words_of_program =
-    "Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,\n"
-    "some enclosures wide (check: not proved), 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP. These three\n"
-    "keep what is finished; a run that is killed leaves the finished rows of a .csv under OUT.*.partial.\n"
-    "`verisq COMMAND --help` explains a command.";
+    R"(Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,
+some enclosures wide (check: not proved), 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP. These three
+keep what is finished; a run that is killed leaves the finished rows of a .csv under OUT.*.partial.
+`verisq COMMAND --help` explains a command.)";
 
 /// The demo's program has those that map, and is linked with nothing that the others need; `verisq` has all.
 std::vector<Command> commands() {

@@ -15,7 +15,6 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 #include <vector>
 #include <verisq/device.hpp>
 #include <verisq/error.hpp>
@@ -191,18 +190,16 @@ ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMap
   return result.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
 
-constexpr const char* closing_words_of_batch =
-    "The manifest, and what DIR gets, are those of `verisq batch`:\n"
-    "  mpirun -n 16 verisq-mpi batch cohort.csv -o cohort\n"
-    "A rank runs one case at a time, of any command, by the program verisq that lies beside this one; ranks take "
-    "cases\n"
-    "from a counter, so that none waits for another. DIR and the files of the cases have to be on a file system that\n"
-    "all ranks see. A case takes the processors, and the devices, that its rank may use: let the queue bind them\n"
-    "(srun --gpus-per-task=1; mpirun --map-by node:PE=8). The tables are those of one process.\n"
-    "Where a rank dies, MPI ends the job; the same command once more, with any number of ranks or by `verisq batch`,\n"
-    "takes over what is finished.\n"
-    "\n"
-    "Exit status: that of `verisq batch`.";
+constexpr const char* closing_words_of_batch = R"(The manifest, and what DIR gets, are those of `verisq batch`:
+  mpirun -n 16 verisq-mpi batch cohort.csv -o cohort
+A rank runs one case at a time, of any command, by the program verisq that lies beside this one; ranks take cases
+from a counter, so that none waits for another. DIR and the files of the cases have to be on a file system that
+all ranks see. A case takes the processors, and the devices, that its rank may use: let the queue bind them
+(srun --gpus-per-task=1; mpirun --map-by node:PE=8). The tables are those of one process.
+Where a rank dies, MPI ends the job; the same command once more, with any number of ranks or by `verisq batch`,
+takes over what is finished.
+
+Exit status: that of `verisq batch`.)";
 
 std::filesystem::path program_beside_this_one() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "verisq";
@@ -277,14 +274,13 @@ ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session&
 
 namespace {
 
-constexpr const char* closing_words_of_program =
-    "Run it by mpirun or srun:\n"
-    "  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy\n"
-    "  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy\n"
-    "  mpirun -n 64 verisq-mpi batch cohort.csv -o cohort\n"
-    "A batch shares cases of any command: fits, recoveries, whatever `verisq batch` runs.\n"
-    "Exit status: that of the command of `verisq`.\n"
-    "`verisq-mpi COMMAND --help` explains a command.";
+constexpr const char* closing_words_of_program = R"(Run it by mpirun or srun:
+  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy
+  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy
+  mpirun -n 64 verisq-mpi batch cohort.csv -o cohort
+A batch shares cases of any command: fits, recoveries, whatever `verisq batch` runs.
+Exit status: that of the command of `verisq`.
+`verisq-mpi COMMAND --help` explains a command.)";
 
 }  // namespace
 
@@ -309,16 +305,15 @@ int main(int argc, char** argv) {
 namespace verisq::command_line {
 namespace {
 
-constexpr const char* closing_words_of_map =
-    "The options are those of `verisq map`:\n"
-    "  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy\n"
-    "The file has the bytes that `verisq map` writes on the same kind of device, whatever the number of ranks. Ranks\n"
-    "take chunks of whole blocks of rows from a counter, and write them where they belong by MPI-IO. Beside OUT are,\n"
-    "while it runs, OUT.rows, OUT.chunks and OUT.job: where a rank dies, MPI ends the job, and the same command with\n"
-    "--resume, on as many ranks as there are then, makes what is not finished yet.\n"
-    "\n"
-    "Exit status: that of `verisq map`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage\n"
-    "or input.";
+constexpr const char* closing_words_of_map = R"(The options are those of `verisq map`:
+  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy
+The file has the bytes that `verisq map` writes on the same kind of device, whatever the number of ranks. Ranks
+take chunks of whole blocks of rows from a counter, and write them where they belong by MPI-IO. Beside OUT are,
+while it runs, OUT.rows, OUT.chunks and OUT.job: where a rank dies, MPI ends the job, and the same command with
+--resume, on as many ranks as there are then, makes what is not finished yet.
+
+Exit status: that of `verisq map`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage
+or input.)";
 
 void check_usage(const SharedMapArguments& arguments) {
   check_usage(arguments.inputs);
@@ -399,16 +394,15 @@ ExitStatus run_shared_map(const SharedMapArguments& arguments, const mpi::Sessio
   return map_all<PointStream>(arguments, session);
 }
 
-constexpr const char* closing_words_of_insert =
-    "The options are those of `verisq insert`:\n"
-    "  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy\n"
-    "Each row is [lo, hi], which contains the smallest signed distance from the vertex to the implant along the whole\n"
-    "way: the bytes that `verisq insert` writes on the same kind of device, whatever the number of ranks, which share\n"
-    "blocks of 1,024 vertices. --resume and the files beside OUT: see `verisq-mpi map --help`. Volumes, and ways that\n"
-    "are searched, are those of one process, or of a `verisq-mpi batch`.\n"
-    "\n"
-    "Exit status: that of `verisq insert`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad\n"
-    "usage or input.";
+constexpr const char* closing_words_of_insert = R"(The options are those of `verisq insert`:
+  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy
+Each row is [lo, hi], which contains the smallest signed distance from the vertex to the implant along the whole
+way: the bytes that `verisq insert` writes on the same kind of device, whatever the number of ranks, which share
+blocks of 1,024 vertices. --resume and the files beside OUT: see `verisq-mpi map --help`. Volumes, and ways that
+are searched, are those of one process, or of a `verisq-mpi batch`.
+
+Exit status: that of `verisq insert`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad
+usage or input.)";
 
 void check_usage(const SharedInsertArguments& arguments) {
   check_usage(arguments.inputs);

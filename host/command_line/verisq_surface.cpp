@@ -297,42 +297,38 @@ std::string json(const SurfaceReport& report) {
   return object.text() + "\n";
 }
 
-constexpr const char* closing_words =
-    "Points become a surface by one of two methods:\n"
-    "  wrap   (default) an alpha wrap: around the points, or around a mesh's triangles in whatever state they are. It\n"
-    "         keeps a small distance, the offset, from them.\n"
-    "  alpha  an alpha shape: through the points themselves. Its largest component, without voids inside; tetrahedra\n"
-    "         are added where it would be no manifold.\n"
-    "Both carve space away by balls of the radius --alpha. The smaller, the more detail; but it must exceed the gaps\n"
-    "between points, or the balls break in, and the volume printed collapses. Left out, it is chosen: of alpha shapes\n"
-    "the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they\n"
-    "break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.\n"
-    "\n"
-    "A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7\n"
-    "voxels, is a half; its triangles are then made of about equal sides and smoothed. Its coordinates are in LPS (x "
-    "to\n"
-    "the patient's left, y to the back) like meshes that 3D Slicer exports, or with --space ras in RAS. It is an "
-    "input,\n"
-    "no proof: where the tissue ends nobody knows to less than about a voxel.\n"
-    "\n"
-    "With --thickness the result is the canal of the bone: all that lies farther inside than the cortex is thick, its\n"
-    "normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at\n"
-    "several heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient "
-    "has.\n"
-    "An open bone is closed over its rims, and there the canal has no cortex.\n"
-    "\n"
-    "The file is read again and checked: closed (or with --resection open there), manifold, consistently oriented;\n"
-    "self-intersections, the volume (negative where normals point inward), and the largest distance of an input point\n"
-    "or the thickness of the wall around the canal are reported, in floating point: no enclosures.\n"
-    "\n"
-    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented, with 90 % of the volume of a\n"
-    "label's voxels; 3 written, but not so; 2 bad usage or input.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
-    "  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply\n"
-    "  verisq surface --volume femur.nrrd --label 2 --inward -o canal.ply\n"
-    "  verisq surface --mesh femur.stl --thickness -80,6 --thickness 20,2 --resection 0,0,40,0.5,0,1 -o canal.ply";
+constexpr const char* closing_words = R"(Points become a surface by one of two methods:
+  wrap   (default) an alpha wrap: around the points, or around a mesh's triangles in whatever state they are. It
+         keeps a small distance, the offset, from them.
+  alpha  an alpha shape: through the points themselves. Its largest component, without voids inside; tetrahedra
+         are added where it would be no manifold.
+Both carve space away by balls of the radius --alpha. The smaller, the more detail; but it must exceed the gaps
+between points, or the balls break in, and the volume printed collapses. Left out, it is chosen: of alpha shapes
+the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they
+break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.
+
+A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7
+voxels, is a half; its triangles are then made of about equal sides and smoothed. Its coordinates are in LPS (x to
+the patient's left, y to the back) like meshes that 3D Slicer exports, or with --space ras in RAS. It is an input,
+no proof: where the tissue ends nobody knows to less than about a voxel.
+
+With --thickness the result is the canal of the bone: all that lies farther inside than the cortex is thick, its
+normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at
+several heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient has.
+An open bone is closed over its rims, and there the canal has no cortex.
+
+The file is read again and checked: closed (or with --resection open there), manifold, consistently oriented;
+self-intersections, the volume (negative where normals point inward), and the largest distance of an input point
+or the thickness of the wall around the canal are reported, in floating point: no enclosures.
+
+Exit status: 0 closed (with --resection but for one rim), manifold and oriented, with 90 % of the volume of a
+label's voxels; 3 written, but not so; 2 bad usage or input.
+
+Examples:
+  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply
+  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply
+  verisq surface --volume femur.nrrd --label 2 --inward -o canal.ply
+  verisq surface --mesh femur.stl --thickness -80,6 --thickness 20,2 --resection 0,0,40,0.5,0,1 -o canal.ply)";
 
 /// Smooths away the steps between voxels, which are longer than a Gaussian of less than a voxel reaches.
 constexpr int rounds_of_volumes = 20;

@@ -10,7 +10,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <span>
 #include <utility>

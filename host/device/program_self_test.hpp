@@ -1,7 +1,6 @@
 /// Compares the kernels of a program with the host on samples, once per program and device.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -75,8 +74,6 @@ namespace verisq::device {
 
 /// Identifies the samples: models of one program may differ in whether primitives are bent or tapered.
 [[nodiscard]] std::string samples_of_solid(const Model& model);
-
-// Compares the kernels of a program with the host on samples, once per program and device.
 
 /// Returns if `first_fault`, which tries the kernels of `program` on samples, returns an empty text; otherwise throws
 /// RefusedDevice with its text. The cache keeps the outcome by the device, its driver, the program and `samples`, which

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

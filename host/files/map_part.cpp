@@ -13,7 +13,6 @@
 #include <utility>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/version.hpp>
 
 #include "host/errors/refusal.hpp"
 #include "host/files/certificate_archive.hpp"

@@ -1,7 +1,6 @@
 /// PLY (Stanford), ASCII and binary of both byte orders: elements `vertex` and `face`; others are read past.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

@@ -5,7 +5,6 @@
 #include <array>
 #include <concepts>
 #include <iterator>
-#include <numeric>
 #include <optional>
 #include <string_view>
 #include <vector>

@@ -64,8 +64,6 @@ class ChunkPace {
   std::size_t smallest_ = 16;
 };
 
-// A map of any kind of query: source -> device (or host) -> host for open rows -> sink.
-
 /// The functions of the host that a map needs for one kind of query:
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
 ///     options are interrupted (which all threads may ask, see SeenInterruption) or out of time it ends early, valid

@@ -14,7 +14,6 @@
 #include "host/device/device_model.hpp"
 #include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
-#include "host/device/solid_model.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "host/maps/map_run.hpp"
 #include "host/maps/uncertain_map.hpp"
@@ -25,12 +24,9 @@
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_pair_cells.hpp"
-#include "verify/search/triangle_pieces.hpp"
-#include "verify/solids/model.hpp"
 #include "verisq/device.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
-#include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq {

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
-#include <mutex>
 #include <span>
 #include <utility>
 #include <verisq/distance.hpp>

@@ -15,19 +15,9 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-#include <verisq/checker.hpp>
-#include <verisq/clearance.hpp>
-#include <verisq/deviation.hpp>
-#include <verisq/distance.hpp>
-#include <verisq/enclosure.hpp>
-#include <verisq/features.hpp>
-#include <verisq/map.hpp>
-#include <verisq/model.hpp>
 #include <verisq/version.hpp>
 
 namespace verisq::python {
-
-// How results are pickled and copied: as tuples of what their structs are made of, bit for bit.
 
 /// Converts to any member of a struct, so that the compiler can count how many a struct takes.
 struct AnyMember {

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/error.hpp>

@@ -1,6 +1,5 @@
 ///
 #include <algorithm>
-#include <utility>
 
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/check_steps.hpp"

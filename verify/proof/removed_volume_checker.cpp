@@ -8,13 +8,11 @@
 #include <iterator>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/numbers/vector.hpp"
 #include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/volume_in_cube.hpp"

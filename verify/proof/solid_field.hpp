@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"

@@ -15,7 +15,6 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/triangle_geometry.hpp"
 #include "verify/solids/model.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq::verify {
 

@@ -1,11 +1,9 @@
 /// Distances of triangles, and of other models, to closed meshes.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "verify/search/mesh_union.hpp"
 #include "verify/search/wide_tree.hpp"
