@@ -456,8 +456,6 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
   return std::visit([&](const auto& kind) { return run_check(kind, arguments); }, answer);
 }
 
-}  // namespace
-
 void declare_check(Options& options, CheckArguments& arguments) {
   options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
   options.add_each(
@@ -484,6 +482,8 @@ void declare_check(Options& options, CheckArguments& arguments) {
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
+
+}  // namespace
 
 ExitStatus run_check(const CheckArguments& given) {
   if (!given.octree.empty() && (!given.map.empty() || !given.certificate.empty())) {

@@ -47,8 +47,6 @@ struct CheckArguments {
   std::function<bool()> ended = interrupted;  ///< returns whether the work is to end: by a signal, or the time limit
 };
 
-void declare_check(Options& options, CheckArguments& arguments);
-
 /// `verified` only when every enclosure is proved. Throws Error(input) for errors that the user can correct, also for a
 /// map that does not have one row for each point or triangle.
 ExitStatus run_check(const CheckArguments& given);
@@ -286,14 +284,6 @@ struct PosesReport {
 
 /// The approximate length of the moving origin's way: for people.
 [[nodiscard]] double length_of(std::span<const Pose> path);
-
-/// The approximate sum of all its turns: for people.
-[[nodiscard]] double degrees_of(std::span<const Pose> path);
-
-/// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.
-/// Precondition: not empty; `units` empty, or after a space.
-[[nodiscard]] std::string path_in_words(std::span<const Pose> path, std::string_view way, std::string_view of_what,
-                                        std::string_view units);
 
 // `verisq check --certificate` of a path: how near two models come while one of them moves, proved again.
 

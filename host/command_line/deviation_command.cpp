@@ -427,8 +427,7 @@ ExitStatus status_of(const Deviation& deviation) {
   return deviation.to_tolerance ? ExitStatus::verified : ExitStatus::unverified;
 }
 
-}  // namespace
-
+/// "0.1", or "5%" for a share. Throws Error(input) that begins with `option` unless it is finite and above 0.
 LengthOrShare parse_length_or_share(std::string_view option, const std::string& text) {
   const bool is_share = text.ends_with('%');
   const std::optional<double> number =
@@ -468,6 +467,7 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
 ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
   const Model model = read_model_at(arguments.inputs.pose, arguments.inputs.model);
@@ -517,6 +517,8 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   if (unwritten) throw Error(unwritten->kind(), unwritten->what());
   return certified ? status_of(report.deviation) : ExitStatus::interrupted;
 }
+
+}  // namespace
 
 Command deviation_command() {
   return command("deviation", "Enclose how far a mesh and a model's surface lie apart, both ways", declare_deviation,

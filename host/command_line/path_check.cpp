@@ -39,6 +39,9 @@ double length_of(std::span<const Pose> path) {
   return length;
 }
 
+namespace {
+
+/// The approximate sum of all its turns: for people.
 double degrees_of(std::span<const Pose> path) {
   double degrees = 0.0;
   for (std::size_t k = 1; k < path.size(); ++k) {
@@ -47,6 +50,8 @@ double degrees_of(std::span<const Pose> path) {
   return degrees;
 }
 
+/// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.
+/// Precondition: not empty; `units` empty, or after a space.
 std::string path_in_words(std::span<const Pose> path, std::string_view way, std::string_view of_what,
                           std::string_view units) {
   const std::string begins = fmt::format("the {} begins at", way);
@@ -56,8 +61,6 @@ std::string path_in_words(std::span<const Pose> path, std::string_view way, std:
   text += fmt::format("  length             {:.4g}{}, of {} origin\n", length_of(path), units, of_what);
   return text + fmt::format("  turning            {:.4g} degrees in all\n", degrees_of(path));
 }
-
-namespace {
 
 bool are_claims_proved(const JudgedAnswer& judged) {
   return !judged.interrupted && counted(judged.claims, &JudgedClaim::finding).are_all_proved();

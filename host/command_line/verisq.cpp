@@ -199,13 +199,9 @@ ExitStatus run_devices(const DevicesArguments& arguments) {
   return ExitStatus::verified;
 }
 
-}  // namespace
-
 Command devices_command() {
   return command("devices", "List every OpenCL device and the outcome of its self-test", declare_devices, run_devices);
 }
-
-namespace {
 
 // The loaders of OpenCL look for drivers in this folder; this file holds none.
 constexpr std::string_view drivers = "OCL_ICD_VENDORS=";
@@ -348,13 +344,9 @@ ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
               fmt::format("{}: cannot start: {}", program.string(), std::generic_category().message(errno)));
 }
 
-}  // namespace
-
 Command surface_command() {
   return command("surface", surface_description, declare_surface_program, run_surface_program);
 }
-
-namespace {
 
 constexpr const char* closing_words_of_program =
     R"(Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,

@@ -33,7 +33,6 @@
 #include "verisq/error.hpp"
 
 namespace verisq {
-
 namespace {
 
 /// The addresses of a column's values, from the lowest on.
@@ -334,8 +333,6 @@ class TriangleProver {
   verify::WitnessEstimate witness_distance_;
 };
 
-}  // namespace
-
 std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
   if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
   if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
@@ -345,8 +342,6 @@ std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOp
   return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
       TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
 }
-
-namespace {
 
 using verify::MemberBounds;
 

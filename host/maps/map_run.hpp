@@ -392,8 +392,6 @@ class ExactMap {
 /// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.
 [[nodiscard]] std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options);
 [[nodiscard]] std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options);
-[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options);
-[[nodiscard]] std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options);
 
 // A prover and, unless the host does all, a device made ready: a map of one kind of query.
 

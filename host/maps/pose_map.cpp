@@ -203,8 +203,6 @@ class PoseProver {
   std::unique_ptr<Memories> memories_ = std::make_unique<Memories>();
 };
 
-}  // namespace
-
 std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options) {
   if (!is_union_of_convex(a) || !is_union_of_convex(b)) return solid_pose_map(a, b, options);
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
@@ -216,8 +214,6 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
   return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, both, make_batch,
                                                          device::why_not_as_triangles_or_pairs(both));
 }
-
-namespace {
 
 ClosestPoints anywhere() {
   constexpr Enclosure anything{-infinity, infinity};

@@ -19,7 +19,6 @@
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 struct Sphere {
@@ -53,8 +52,7 @@ double rounding_error(const Sphere& a, const Sphere& b) {
   return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
 }
 
-}  // namespace
-
+/// The pairs whose bounding spheres are not farther apart than the nearest centres, which lie in their primitives.
 NearPairs near_pairs(const PosedPairs& pairs) {
   std::vector<Sphere> of_a;
   std::vector<Sphere> of_b;
@@ -83,8 +81,6 @@ NearPairs near_pairs(const PosedPairs& pairs) {
   }
   return result;
 }
-
-namespace {
 
 double width_up(const PreciseInterval& x) {
   return (PreciseInterval(x.upper()) - PreciseInterval(x.lower())).upper().to_double(Direction::up);
