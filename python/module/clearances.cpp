@@ -76,9 +76,8 @@ ContainmentProof contained(const PythonModel& model, const PythonMesh& mesh, con
 
 bool is_containment_proved(const ContainmentProof& self, const PythonModel& model, const PythonMesh& mesh) {
   const Model& exact = model.exact("is_proved");
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    const CheckOptions options{.interrupted = interruption.poll()};
+  return without_lock([&](const Interrupted& interrupted) {
+    const CheckOptions options{.interrupted = interrupted};
     const ContainmentFinding found = ContainmentChecker(exact, mesh.mesh)(self.containment, self.certificate, options);
     return self.proven && found.verdict == Verdict::proved;
   });
@@ -245,12 +244,11 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   const Mesh measured = mesh_or_cloud(mesh);
   const auto& [vertices, triangles, surface] = self.certificate;
   if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
-  Interruption interruption;
-  const ProvenDeviation proven = without_lock(interruption, [&] {
+  const ProvenDeviation proven = without_lock([&](const Interrupted& interrupted) {
     return DeviationChecker(exact)(measured, self.certificate,
                                    {.percentiles = self.percents,
                                     .statistics_of_model = self.statistics_from_model.has_value(),
-                                    .check = {.interrupted = interruption.poll()}});
+                                    .check = {.interrupted = interrupted}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
          (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh)) &&

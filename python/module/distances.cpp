@@ -78,8 +78,7 @@ void declare_signed_distance(py::module_& module) {
             if (!std::isfinite(at[0]) || !std::isfinite(at[1]) || !std::isfinite(at[2]))
               throw Error(ErrorKind::input, fmt::format("point ({}, {}, {}) is not finite", at[0], at[1], at[2]));
             check_length(tolerance, "tolerance");
-            Interruption interruption;
-            return without_lock(interruption, [&] { return self(at, tolerance, interruption.poll()); });
+            return without_lock([&](const Interrupted& interrupted) { return self(at, tolerance, interrupted); });
           },
           py::arg("point"), py::arg("tolerance") = 0.0,
           "__call__(point, tolerance=0.0) -> Enclosure\n\nOf a point [x, y, z] in model units: positive outside, the\n"
@@ -152,9 +151,8 @@ CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, con
   const Model& other = b.exact("certified_distance");
   const Pose moved = pose(pose_of_b);
   const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
-  Interruption interruption;
-  auto [distance, certificate] =
-      without_lock(interruption, [&] { return CertifiedDistances(one, other, width)(moved, interruption.poll()); });
+  auto [distance, certificate] = without_lock(
+      [&](const Interrupted& interrupted) { return CertifiedDistances(one, other, width)(moved, interrupted); });
   return {distance, std::move(certificate)};
 }
 
@@ -162,9 +160,8 @@ bool pair_is_proved(const CertifiedPair& self, const PythonModel& a, const Pytho
                     const py::handle& pose_of_b) {
   const PairChecker checker(a.exact("is_proved"), b.exact("is_proved"));
   const Pose moved = pose(pose_of_b);
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    const Finding finding = checker(moved, self.distance, self.certificate, interruption.poll());
+  return without_lock([&](const Interrupted& interrupted) {
+    const Finding finding = checker(moved, self.distance, self.certificate, interrupted);
     return finding.verdict == Verdict::proved;
   });
 }
@@ -293,9 +290,8 @@ PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, 
 bool path_is_proved(const PythonCertifiedPath& self, const PythonModel& a, const PythonModel& b,
                     const py::handle& path) {
   const PathChecker checker(a.exact("is_proved"), b.exact("is_proved"), poses(path, "path"));
-  Interruption interruption;
-  const PathClaims proven =
-      without_lock(interruption, [&] { return checker.prove(self.certificate, {.interrupted = interruption.poll()}); });
+  const PathClaims proven = without_lock(
+      [&](const Interrupted& interrupted) { return checker.prove(self.certificate, {.interrupted = interrupted}); });
   const auto [smallest, first_contact] = check(self.claims, proven);
   return smallest.verdict == Verdict::proved && (!first_contact || first_contact->verdict == Verdict::proved);
 }

@@ -290,9 +290,7 @@ bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
         fmt::format("mesh: has {} vertices, and the fit is of {}", vertices.size(), certificates.size()));
   const auto lo = self.map.lo.unchecked<1>();
   const auto hi = self.map.hi.unchecked<1>();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const Checker checker{UncertainModel(self.solution.fit.model)};
     std::vector<Enclosure> proven;
     bool all = true;

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -117,6 +118,16 @@ auto without_lock(const Interruption& interruption, const Work& work) {
   }();
   interruption.rethrow();
   return result;
+}
+
+/// True once the work is to end.
+using Interrupted = std::function<bool()>;
+
+/// The same with an interruption of its own, which `work` polls.
+template <std::invocable<Interrupted> Work>
+auto without_lock(const Work& work) {
+  Interruption interruption;
+  return without_lock(interruption, [&] { return work(interruption.poll()); });
 }
 
 // NumPy arrays as queries: where they lie if they are binary64, else widened where that is exact.

@@ -96,9 +96,7 @@ void save(const PythonOctree& self, const std::filesystem::path& path, bool whit
 
 bool is_proved(const PythonOctree& self, const PythonModel& model) {
   const OctreeChecker checker(model.exact("octree"), self.summary.root, self.cubes);
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     return std::ranges::all_of(
         checker.cubes(), [&](const ColouredCube& cube) { return !interrupted() && checker.proves(cube, interrupted); });
   });

@@ -87,9 +87,7 @@ PythonFindings check(const Checker& checker, const std::vector<Query>& queries, 
   auto* const verdict = findings.verdict.mutable_data();
   auto* const proven_lo = findings.lo.mutable_data();
   auto* const proven_hi = findings.hi.mutable_data();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  without_lock(interruption, [&] {
+  without_lock([&](const Interrupted& interrupted) {
     for (std::size_t i = 0; i < queries.size() && !interrupted(); ++i) {
       const Finding finding = checker(queries[i], {rows.lo[i], rows.hi[i]}, rows.certificates[i], interrupted);
       verdict[i] = static_cast<std::uint8_t>(finding.verdict);

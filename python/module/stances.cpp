@@ -96,10 +96,9 @@ py::array_t<double> accelerations(const PythonStance& self, const Names& uncerta
   std::vector<stance::JointPosition> elsewhere;
   elsewhere.reserve(joints.size());
   for (const auto& [name, position] : joints) elsewhere.push_back(stance::joint_position(self.model, name, position));
-  Interruption interruption;
-  return rows_of(without_lock(interruption, [&] {
+  return rows_of(without_lock([&](const Interrupted& interrupted) {
     return stance::accelerations(self.model, over, stance::instant(self.model, how, elsewhere),
-                                 {.cells = cells, .interrupted = interruption.poll()});
+                                 {.cells = cells, .interrupted = interrupted});
   }));
 }
 
@@ -108,8 +107,8 @@ stance::Bounce bounce(const PythonStance& self, const std::string& cylinder, dou
   if (height == 0.0) throw py::value_error("height must be above 0");
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   const stance::Drop drop = stance::drop_of(self.model, stance::cylinder_of(self.model, cylinder), over, height);
-  Interruption interruption;
-  return without_lock(interruption, [&] { return stance::bounce(drop, {.interrupted = interruption.poll()}); });
+  return without_lock(
+      [&](const Interrupted& interrupted) { return stance::bounce(drop, {.interrupted = interrupted}); });
 }
 
 /// One of the model's ranges is narrower.
@@ -155,10 +154,9 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonEquilibrium result{{}, {}, cylinders(self)};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
-  Interruption interruption;
-  result.found = without_lock(interruption, [&] {
+  result.found = without_lock([&](const Interrupted& interrupted) {
     return stance::equilibrium(self.model, over,
-                               {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+                               {.control = control_of(joints), .cells = cells, .interrupted = interrupted});
   });
   return result;
 }
@@ -328,10 +326,9 @@ PythonStability stability(const PythonStance& self, const std::string& joints, c
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonStability result{};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
-  Interruption interruption;
-  result.found = without_lock(interruption, [&] {
+  result.found = without_lock([&](const Interrupted& interrupted) {
     return stance::stability(self.model, over,
-                             {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+                             {.control = control_of(joints), .cells = cells, .interrupted = interrupted});
   });
   return result;
 }
