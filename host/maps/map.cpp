@@ -23,7 +23,7 @@
 #include "host/threads/parallel.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/search/certified_distance.hpp"
-#include "verify/search/fit_box_bound.hpp"
+#include "verify/search/displaced_point.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/triangle_pieces.hpp"

@@ -19,7 +19,7 @@
 #include "host/maps/map_run.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/search/fit_box_bound.hpp"
+#include "verify/search/displaced_point.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"

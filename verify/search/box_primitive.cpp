@@ -360,7 +360,7 @@ bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_wi
 
 BoxPrimitive::BoxPrimitive(const Primitive& primitive)
     : state_(primitive.mesh ? nullptr : hidden<State>(primitive)),
-      mesh_(primitive.mesh ? std::make_unique<PosedMesh>(primitive) : nullptr) {}
+      mesh_(primitive.mesh ? hidden<PosedMesh>(primitive) : nullptr) {}
 
 Colour BoxPrimitive::colour(const Cube& cube) const {
   if (mesh_) return verify::colour(*mesh_, cube);

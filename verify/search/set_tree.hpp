@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -52,7 +51,7 @@ class BoxPrimitive {
  private:
   struct State;
   Hidden<State> state_;  ///< of a superquadric
-  std::unique_ptr<PosedMesh> mesh_;
+  Hidden<PosedMesh> mesh_;
 };
 
 // Bounds of models as wholes: boxes around them, and enclosures of trees of set operations over cubes.
