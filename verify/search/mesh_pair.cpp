@@ -18,7 +18,7 @@ namespace verisq::verify {
 
 namespace {
 
-MeshPair least_of(const MeshPair& a, const MeshPair& b) {
+MeshPair joined(const MeshPair& a, const MeshPair& b) {
   return {{std::min(a.distance.lo, b.distance.lo), std::min(a.distance.hi, b.distance.hi)},
           std::max(a.depth, b.depth),
           a.common ? a.common : b.common};
@@ -208,7 +208,7 @@ class MeshAndSuperquadrics {
     double depth = -1.0;                                // of a middle in a superquadric
     std::size_t deepest = 0;
     for (std::size_t n = 0; n < triangles.size(); ++n) {
-      const Ball ball = ball_about(triangles[n]);
+      const BallAboutTriangle ball = ball_about(triangles[n]);
       const Enclosure at_centre = (*superquadrics_.of_points)(ball.centre, infinity);
       const Interval off = Interval(displacement) + Interval(rounding_of_middle(largest_coordinate(triangles[n])));
       if (const double here = (Interval(-at_centre.hi) - off).lower(); here > depth) {
@@ -286,7 +286,7 @@ MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool
   const RigidMotion a_to_b = b_to_a.inverse();
   MeshPair found{{infinity, infinity}};
   const auto join = [&](const auto& pair) {
-    if (found.distance.hi != 0.0) found = least_of(found, pair(interrupted));
+    if (found.distance.hi != 0.0) found = joined(found, pair(interrupted));
   };
   for (const Solid& a : s.a.solids) {
     for (const Solid& b : s.b.solids) join(MeshesApart(a, b, b.motion.inverse().after(a_to_b.after(a.motion))));

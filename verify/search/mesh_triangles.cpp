@@ -167,29 +167,6 @@ Enclosure distance_of_triangles(const Triangle& a, const Triangle& b) {
 
 namespace {
 
-/// A ball about a point that holds a triangle.
-struct Ball {
-  Point centre;
-  double radius;  ///< rounded up
-};
-
-Ball ball_about(const Triangle& triangle) {
-  Ball ball{{}, 0.0};
-  for (const Point& corner : triangle)
-    for (std::size_t i = 0; i < 3; ++i) ball.centre[i] += corner[i] / 3.0;
-  for (const Point& corner : triangle) {
-    const Point way = difference(corner, ball.centre);
-    ball.radius = std::max(ball.radius, length(way[0], way[1], way[2]) * (1.0 + 0x1p-48) + 0x1p-1000);
-  }
-  return ball;
-}
-
-/// Bounds how far the centre of a ball about a triangle with no larger coordinate is from its middle: three quotients
-/// and two sums round a coordinate by less than 4 u of it.
-double rounding_of_middle(double largest) {
-  return 0x1p-50 * largest;
-}
-
 /// Searches the pairs of near triangles; all others are farther than the upper end.
 class NearestTriangles {
  public:
@@ -236,7 +213,7 @@ class NearestTriangles {
 
   std::span<const Triangle> triangles_;
   const WideTree& tree_;
-  std::vector<Ball> balls_;
+  std::vector<BallAboutTriangle> balls_;
   std::vector<double> lower_;  ///< of the distance of each triangle
   std::vector<std::uint32_t> near_;
   double least_ = infinity;  ///< of the lower ends of all pairs that were looked at

@@ -1,4 +1,4 @@
-/// Rigid motions in binary64, and distances of what they move.
+/// Rigid motions in binary64, and balls about triangles.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"
+#include "verify/numbers/points.hpp"
 #include "verify/search/mesh_union.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
@@ -89,6 +91,28 @@ inline constexpr Enclosure they_meet{0.0, 0.0};
 
 [[nodiscard]] inline Enclosure least_of(const Enclosure& a, const Enclosure& b) {
   return {std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
+}
+
+struct BallAboutTriangle {
+  Point centre;
+  double radius;  ///< rounded up
+};
+
+[[nodiscard]] inline BallAboutTriangle ball_about(const Triangle& triangle) {
+  BallAboutTriangle ball{{}, 0.0};
+  for (const Point& corner : triangle)
+    for (std::size_t i = 0; i < 3; ++i) ball.centre[i] += corner[i] / 3.0;
+  for (const Point& corner : triangle) {
+    const Point way = difference(corner, ball.centre);
+    ball.radius = std::max(ball.radius, length(way[0], way[1], way[2]) * (1.0 + 0x1p-48) + 0x1p-1000);
+  }
+  return ball;
+}
+
+/// Bounds how far the centre of a ball about a triangle with no larger coordinate is from its middle: three quotients
+/// and two sums round a coordinate by less than 4 u of it.
+[[nodiscard]] inline double rounding_of_middle(double largest) {
+  return 0x1p-50 * largest;
 }
 
 }  // namespace verisq::verify
