@@ -27,8 +27,6 @@ class Quantities {
   /// which a deviation must have. Or parameter="NAME" alone. Fails if `allowed` refuses an end of the range, with
   /// `what` it must be.
   [[nodiscard]] Quantity read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what);
-  /// The same for any finite number.
-  [[nodiscard]] Quantity read(const XmlElement& element);
 
   /// Components x, y, z: each an attribute, which is exact, or a child that is a quantity.
   [[nodiscard]] QuantityVector read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
@@ -119,10 +117,6 @@ Quantity Quantities::read(const XmlElement& element, const std::function<bool(do
     if (!allowed(end)) element.fail(fmt::format("{} {}", end, what));
   }
   return quantity;
-}
-
-Quantity Quantities::read(const XmlElement& element) {
-  return read(element, any_number, "");
 }
 
 QuantityVector Quantities::read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
