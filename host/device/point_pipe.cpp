@@ -57,8 +57,6 @@ void RowTotals::forget_refusal(ChunkQueue& queue) {
   queue.clear(refused_, sizeof(cl_uint));
 }
 
-namespace {
-
 void bind_points(NamedKernel& kernel, const BoundChunk& chunk) {
   for (std::size_t i = 0; i < axes.size(); ++i) bind(kernel, axes[i], chunk.coordinates[i]);
 }
@@ -78,12 +76,14 @@ void bind_criterion(NamedKernel& kernel, const Scale& scale, const RowCriterion&
   kernel.set("radius", criterion.radius);
 }
 
+namespace {
+
 std::string_view sources_of(const DeviceModel& model) {
   return model.has_tapered() ? kernels::embedded_tapered_point_map() : kernels::embedded_point_map();
 }
 
-/// Compiles kernels/point_map.cl. Precondition: `model` has one primitive. Throws RefusedDevice where it errs on
-/// samples.
+}  // namespace
+
 cl::Program point_map_program(const Device& device, const DeviceModel& model) {
   const cl::Program program =
       build_program(device.context, device.device, device.vector_width, sources_of(model), model.memory);
@@ -91,8 +91,6 @@ cl::Program point_map_program(const Device& device, const DeviceModel& model) {
                 [&] { return first_fault_at_once(device, program, model.has_tapered()); });
   return program;
 }
-
-}  // namespace
 
 RowsAtOnce::RowsAtOnce(const Device& device, const cl::Program& program, const DeviceModel& model,
                        const RowCriterion& criterion, const RowTotals& totals)

@@ -125,7 +125,15 @@ class RowTotals {
   cl_uint is_refused_ = 0;
 };
 
+void bind_points(NamedKernel& kernel, const BoundChunk& chunk);
+void bind_rows(NamedKernel& kernel, const BoundChunk& chunk);
+void bind_criterion(NamedKernel& kernel, const Scale& scale, const RowCriterion& criterion);
+
 // Rows of a chunk by one kernel, with nothing in between: of a single convex primitive, without depths.
+
+/// Compiles kernels/point_map.cl. Precondition: `model` has one primitive. Throws RefusedDevice where it errs on
+/// samples.
+[[nodiscard]] cl::Program point_map_program(const Device& device, const DeviceModel& model);
 
 /// The kernel point_map.
 class RowsAtOnce {
