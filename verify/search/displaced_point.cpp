@@ -1,7 +1,6 @@
 /// This file implements displaced_point.hpp.
 #include "verify/search/displaced_point.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
+#include "verify/proposals/support_mapping.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/superquadric.hpp"
 
@@ -29,12 +29,17 @@ Interval distance(const Point& a, const Point& b) {
 }
 
 /// Two unit vectors across u and across each other, to a few roundings; of 0 any.
-std::array<Eigen::Vector3d, 2> across(const Point& u) {
-  if (u == Point{}) return {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
-  const Point direction = near_one(u);
-  const Eigen::Vector3d along(direction[0], direction[1], direction[2]);
-  const Eigen::Vector3d first = along.unitOrthogonal();
-  return {first, along.cross(first).normalized()};
+std::array<Point, 2> across(const Point& u) {
+  if (u == Point{}) return {Point{1.0, 0.0, 0.0}, Point{0.0, 1.0, 0.0}};
+  const Point along = near_one(u);
+  const auto [x, y, z] = along;
+  const bool about_z = std::max(std::abs(x), std::abs(y)) <= 1e-12 * std::abs(z);
+  const double share = 1.0 / std::sqrt(about_z ? y * y + z * z : x * x + y * y);
+  const Point first = about_z ? Point{0.0, -z * share, y * share} : Point{-y * share, x * share, 0.0};
+  Point second = cross(along, first);
+  const double length = std::sqrt(dot(second, second));
+  for (double& coordinate : second) coordinate /= length;
+  return {first, second};
 }
 
 }  // namespace
@@ -87,12 +92,14 @@ void DisplacedPoint::append_cover(std::vector<Point>& points) const {
   const auto [first, second] = across({arm_[0].lower(), arm_[1].lower(), arm_[2].lower()});
   for (unsigned k = 0; k < corners; ++k) {
     const double angle = 2 * std::numbers::pi * k / corners;
-    const Eigen::Vector3d at = radius * (std::cos(angle) * first + std::sin(angle) * second);
+    const double cosine = std::cos(angle);
+    const double sine = std::sin(angle);
     for (unsigned octant = 0; octant < 8; ++octant) {
       Point corner;
       for (std::size_t i = 0; i < 3; ++i) {
         const double half = translation_[i] + more;
-        corner[i] = point_[i].lower() + at[static_cast<Eigen::Index>(i)] + ((octant >> i & 1U) != 0 ? half : -half);
+        const double turned = radius * (cosine * first[i] + sine * second[i]);
+        corner[i] = point_[i].lower() + turned + ((octant >> i & 1U) != 0 ? half : -half);
       }
       points.push_back(corner);
     }
