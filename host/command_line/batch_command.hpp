@@ -148,8 +148,6 @@ struct BatchOptions {
 [[nodiscard]] BatchRun run_batch(std::span<const BatchCase> cases, const BatchFolders& folders,
                                  const BatchOptions& options);
 
-// `verisq batch`: the cases of a cohort, one after the other or several at a time, resumable.
-
 struct BatchArguments {
   std::string manifest;
   std::string output;  ///< a folder

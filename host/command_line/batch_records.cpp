@@ -13,7 +13,6 @@
 #include <string_view>
 #include <tuple>
 #include <vector>
-#include <verisq/error.hpp>
 #include <verisq/version.hpp>
 
 #include "host/command_line/batch_command.hpp"

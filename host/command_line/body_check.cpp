@@ -2,15 +2,11 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 #include <verisq/features.hpp>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
@@ -19,7 +15,6 @@
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -33,14 +28,6 @@ void refuse_other_arguments(const CheckArguments& arguments) {
     refuse(fmt::format("{}: is of a model of stance: not with --map, --mesh, --points, --pose or --point-radius",
                        certificate));
   }
-}
-
-JudgedAnswer judged(const EquilibriumAnswer& answer, const stance::Model& model, const CheckArguments& arguments) {
-  ProgressBar bar(!arguments.no_progress, "%");
-  return judge(answer, arguments.certificate, model,
-               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                .interrupted = arguments.ended,
-                .progress = [&bar](double done) { bar.update_state("cells", done); }});
 }
 
 std::string_view words(stance::JointControl control) {
@@ -61,8 +48,7 @@ std::string box_of(const EquilibriumAnswer& answer) {
   return text + "  all others         at their nominal values\n";
 }
 
-std::string readable(const EquilibriumAnswer& answer, const JudgedAnswer& judged, double seconds,
-                     const CheckArguments& arguments) {
+std::string readable(const EquilibriumAnswer& answer, const JudgedAnswer& judged) {
   std::string text = claims_in_words(judged, [](const JudgedClaim& claim) {
     return fmt::format("{}{}{}: {}{}", exact_text(claim.claimed), claim.unit.empty() ? "" : " ", claim.unit, claim.what,
                        claim.of.empty() ? "" : quotation(claim.of));
@@ -71,30 +57,23 @@ std::string readable(const EquilibriumAnswer& answer, const JudgedAnswer& judged
   text += fmt::format("joints               {}\n", words(answer.claims.control));
   text += fmt::format("cells                {} that are said to stand, of which {} are not proven to\n", judged.parts,
                       judged.unproved_parts);
-  text += "not claimed          whether the body stays there or topples\n";
-  return text + end_in_words(judged, seconds, arguments);
+  return text + "not claimed          whether the body stays there or topples\n";
 }
 
-std::string json(const EquilibriumAnswer& answer, const JudgedAnswer& judged, double seconds,
-                 const CheckArguments& arguments) {
+JsonObject object_of(const EquilibriumAnswer& answer, const JudgedAnswer& judged) {
   JsonObject box;
   for (std::size_t i = 0; i < answer.parameters.size(); ++i) box.set(answer.parameters[i], answer.claims.ranges[i]);
-  const JsonObject object{
-      {"kind", "equilibrium"},
-      {"claims", claims_of(judged,
-                           [](const JudgedClaim& claim) {
-                             return JsonObject{{"what", claim.what + claim.of}, {"unit", claim.unit}};
-                           })},
-      {"without_an_end", judged.unbounded()},
-      {"uncertain", box},
-      {"stands", answer.claims.stands},
-      {"joints", answer.claims.control == stance::JointControl::held ? "held" : "proportional"},
-      {"cells", judged.parts},
-      {"unproved_cells", judged.unproved_parts},
-      {"seconds", seconds},
-      {"interrupted", judged.interrupted},
-      {"certificate", arguments.certificate}};
-  return object.text() + "\n";
+  return {{"kind", "equilibrium"},
+          {"claims", claims_of(judged,
+                               [](const JudgedClaim& claim) {
+                                 return JsonObject{{"what", claim.what + claim.of}, {"unit", claim.unit}};
+                               })},
+          {"without_an_end", judged.unbounded()},
+          {"uncertain", box},
+          {"stands", answer.claims.stands},
+          {"joints", answer.claims.control == stance::JointControl::held ? "held" : "proportional"},
+          {"cells", judged.parts},
+          {"unproved_cells", judged.unproved_parts}};
 }
 
 }  // namespace
@@ -104,14 +83,14 @@ ExitStatus run_check(const EquilibriumAnswer& answer, const CheckArguments& argu
   const std::string& file = arguments.models.front();
   const stance::Model model =
       stance::parse_model(subject_bytes(file, "model", answer.model, arguments.certificate), file);
-  watch_for_interruption();
-  const Stopwatch time;
-  const JudgedAnswer equilibrium = judged(answer, model, arguments);
-  const double seconds = time.seconds();
-  fmt::print("{}", arguments.json ? json(answer, equilibrium, seconds, arguments)
-                                  : readable(answer, equilibrium, seconds, arguments));
-  if (equilibrium.interrupted) return status_of_end();
-  return equilibrium.all_proved() && answer.claims.stands == 1.0 ? ExitStatus::verified : ExitStatus::unverified;
+  const ExitStatus status = proved_again(
+      {.elements = "%",
+       .steps = "cells",
+       .judge = [&](const CheckOptions& options) { return judge(answer, arguments.certificate, model, options); },
+       .words = [&](const JudgedAnswer& judged) { return readable(answer, judged); },
+       .members = [&](const JudgedAnswer& judged) { return object_of(answer, judged); }},
+      arguments);
+  return status == ExitStatus::verified && answer.claims.stands != 1.0 ? ExitStatus::unverified : status;
 }
 
 namespace {

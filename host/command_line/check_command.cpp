@@ -7,8 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +23,7 @@
 #include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/input_file.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -139,12 +138,28 @@ JsonValue claims_of(const JudgedAnswer& judged, const std::function<JsonObject(c
   return claims;
 }
 
-std::string end_in_words(const JudgedAnswer& judged, double seconds, const CheckArguments& arguments) {
-  return fmt::format("time                 {:.3g} s\n", seconds) +
-         fmt::format("certificate          {}{}\n", quotation(arguments.certificate), mark_of_end(judged.interrupted));
-}
-
-ExitStatus status_of(const JudgedAnswer& judged) {
+ExitStatus proved_again(const JudgedKind& kind, const CheckArguments& arguments) {
+  watch_for_interruption();
+  const Stopwatch time;
+  std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, kind.elements);
+  const auto show = [&](double done) {
+    if (kind.count == 0) return bar->update_state(kind.steps, done);
+    bar->update(static_cast<std::uint64_t>(done * static_cast<double>(kind.count)), done);
+  };
+  const JudgedAnswer judged = kind.judge(
+      {.in_parallel = in_parallel<std::function<void(std::size_t)>>, .interrupted = arguments.ended, .progress = show});
+  bar.reset();  // the line is cleared before anything else is said
+  const double seconds = time.seconds();
+  if (arguments.json) {
+    JsonObject object = kind.members(judged);
+    object.set("seconds", seconds);
+    object.set("interrupted", judged.interrupted);
+    object.set("certificate", arguments.certificate);
+    fmt::print("{}\n", object.text());
+  } else {
+    fmt::print("{}time                 {:.3g} s\ncertificate          {}{}\n", kind.words(judged), seconds,
+               quotation(arguments.certificate), mark_of_end(judged.interrupted));
+  }
   if (judged.interrupted) return status_of_end();
   return judged.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
@@ -478,8 +493,6 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
   return std::visit([&](const auto& kind) { return run_check(kind, arguments); }, answer);
 }
 
-}  // namespace
-
 void declare_check(Options& options, CheckArguments& arguments) {
   options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
   options.add_each(
@@ -506,6 +519,8 @@ void declare_check(Options& options, CheckArguments& arguments) {
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
+
+}  // namespace
 
 ExitStatus run_check(const CheckArguments& given) {
   if (!given.octree.empty() && (!given.map.empty() || !given.certificate.empty())) {

@@ -47,8 +47,6 @@ struct CheckArguments {
   std::function<bool()> ended = interrupted;  ///< returns whether the work is to end: by a signal, or the time limit
 };
 
-void declare_check(Options& options, CheckArguments& arguments);
-
 /// `verified` only when every enclosure is proved. Throws Error(input) for errors that the user can correct, also for a
 /// map that does not have one row for each point or triangle.
 ExitStatus run_check(const CheckArguments& given);
@@ -131,11 +129,18 @@ template <class Claims, class FindingOf>
 [[nodiscard]] JsonValue claims_of(const JudgedAnswer& judged,
                                   const std::function<JsonObject(const JudgedClaim&)>& head);
 
-/// The last lines of a check: its time, and the name of the certificate.
-[[nodiscard]] std::string end_in_words(const JudgedAnswer& judged, double seconds, const CheckArguments& arguments);
+/// An answer whose claims are judged together, and what its kind alone says about them.
+struct JudgedKind {
+  std::string_view elements;  ///< of the progress bar, in the plural; a literal
+  std::string_view steps;     ///< the bar shows them, or
+  std::uint64_t count = 0;    ///< the rate of so many elements
+  std::function<JudgedAnswer(const CheckOptions&)> judge;
+  std::function<std::string(const JudgedAnswer&)> words;   ///< stand above the time and the certificate's name
+  std::function<JsonObject(const JudgedAnswer&)> members;  ///< likewise
+};
 
-/// `verified` where all is proved.
-[[nodiscard]] ExitStatus status_of(const JudgedAnswer& judged);
+/// Judges the answer and prints the findings. `verified` where all is proved.
+[[nodiscard]] ExitStatus proved_again(const JudgedKind& kind, const CheckArguments& arguments);
 
 /// The end that is wrong or open, and the reason. Precondition: not proved.
 [[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);
@@ -279,14 +284,6 @@ struct PosesReport {
 
 /// The approximate length of the moving origin's way: for people.
 [[nodiscard]] double length_of(std::span<const Pose> path);
-
-/// The approximate sum of all its turns: for people.
-[[nodiscard]] double degrees_of(std::span<const Pose> path);
-
-/// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.
-/// Precondition: not empty; `units` empty, or after a space.
-[[nodiscard]] std::string path_in_words(std::span<const Pose> path, std::string_view way, std::string_view of_what,
-                                        std::string_view units);
 
 // `verisq check --certificate` of a path: how near two models come while one of them moves, proved again.
 

@@ -2,16 +2,11 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
-#include <thread>
-#include <utility>
 #include <vector>
 #include <verisq/deviation.hpp>
 #include <verisq/files.hpp>
@@ -47,15 +42,6 @@ void refuse_other_subjects(const DeviationAnswer& answer, const CheckArguments& 
   if (is_cloud(answer)) refuse_other_file(given, "cloud", answer.mesh, certificate);
 }
 
-JudgedAnswer judged(const DeviationAnswer& answer, const Model& model, const Mesh& mesh,
-                    const CheckArguments& arguments) {
-  ProgressBar bar(!arguments.no_progress, "points");
-  return judge(answer, arguments.certificate, model, mesh,
-               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                .interrupted = arguments.ended,
-                .progress = [&bar](double done) { bar.update_state("samples", done); }});
-}
-
 std::string direction_of(const std::string& of, const DeviationAnswer& answer) {
   if (of == "both") return "both ways (Hausdorff)";
   return of == "model" ? fmt::format("model to {}", is_cloud(answer) ? "points" : "mesh") : of + " to model";
@@ -66,8 +52,7 @@ std::string not_claimed(const DeviationAnswer& answer) {
                      answer.from_model ? "mean and percentiles of " : "", is_cloud(answer) ? "points" : "mesh");
 }
 
-std::string readable(const DeviationAnswer& answer, const JudgedAnswer& judged, double seconds,
-                     const CheckArguments& arguments) {
+std::string readable(const DeviationAnswer& answer, const JudgedAnswer& judged) {
   const std::string units = units_behind(answer.units);
   std::string text = claims_in_words(
       judged,
@@ -80,25 +65,20 @@ std::string readable(const DeviationAnswer& answer, const JudgedAnswer& judged, 
                       judged.unproved_parts);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
   if (!answer.statistics_from_model) text += fmt::format("not claimed          {}\n", not_claimed(answer));
-  return text + end_in_words(judged, seconds, arguments);
+  return text;
 }
 
-std::string json(const DeviationAnswer& answer, const JudgedAnswer& judged, double seconds,
-                 const CheckArguments& arguments) {
+JsonObject object_of(const DeviationAnswer& answer, const JudgedAnswer& judged) {
   const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) {
     return JsonObject{{"of", claim.of}, {"what", claim.what}};
   });
-  const JsonObject object{{"kind", "deviation"},
-                          {"claims", claims},
-                          {"without_an_end", judged.unbounded()},
-                          {"samples", judged.parts},
-                          {"unproved_samples", judged.unproved_parts},
-                          {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
-                          {"units", answer.units},
-                          {"seconds", seconds},
-                          {"interrupted", judged.interrupted},
-                          {"certificate", arguments.certificate}};
-  return object.text() + "\n";
+  return {{"kind", "deviation"},
+          {"claims", claims},
+          {"without_an_end", judged.unbounded()},
+          {"samples", judged.parts},
+          {"unproved_samples", judged.unproved_parts},
+          {"pose", answer.pose},
+          {"units", answer.units}};
 }
 
 }  // namespace
@@ -112,13 +92,13 @@ ExitStatus run_check(const DeviationAnswer& answer, const CheckArguments& argume
                                      : subject_mesh(arguments.inputs.mesh, answer.mesh, arguments.certificate);
   // Clouds are read from the file: it must still be the same.
   if (is_cloud(answer)) refuse_other_file(arguments.inputs.points, "cloud", answer.mesh, arguments.certificate);
-  watch_for_interruption();
-  const Stopwatch time;
-  const JudgedAnswer deviation = judged(answer, model, mesh, arguments);
-  const double seconds = time.seconds();
-  fmt::print("{}", arguments.json ? json(answer, deviation, seconds, arguments)
-                                  : readable(answer, deviation, seconds, arguments));
-  return status_of(deviation);
+  return proved_again(
+      {.elements = "points",
+       .steps = "samples",
+       .judge = [&](const CheckOptions& options) { return judge(answer, arguments.certificate, model, mesh, options); },
+       .words = [&](const JudgedAnswer& judged) { return readable(answer, judged); },
+       .members = [&](const JudgedAnswer& judged) { return object_of(answer, judged); }},
+      arguments);
 }
 
 namespace {
@@ -133,15 +113,6 @@ void refuse_other_arguments(const CheckArguments& arguments, std::string_view wh
     refuse(fmt::format("{}, and holds its distances itself: not with --map", of));
   if (!arguments.inputs.points.empty() || arguments.inputs.pose || arguments.point_radius != 0.0)
     refuse(fmt::format("{}: not with --points, --pose or --point-radius", of));
-}
-
-JudgedAnswer judged(const ContactAnswer& answer, const Model& model, const Mesh& mesh,
-                    const CheckArguments& arguments) {
-  ProgressBar bar(!arguments.no_progress, "%");
-  return judge(answer, arguments.certificate, model, mesh,
-               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                .interrupted = arguments.ended,
-                .progress = [&bar](double done) { bar.update_state("samples", done); }});
 }
 
 /// The names of the primitives whose surface counts as the implant's own.
@@ -194,8 +165,7 @@ std::string own_surface_in_words(const std::vector<std::string>& primitives) {
       quotation(primitives));
 }
 
-std::string readable(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged, double seconds,
-                     const CheckArguments& arguments) {
+std::string readable(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged) {
   std::string text = contact_claims_in_words(answer, judged);
   text += fmt::format("in contact           what is no farther than {} from the model's surface, inside or outside\n",
                       with_units(fmt::format("{}", answer.distance), answer.units));
@@ -207,13 +177,11 @@ std::string readable(const ContactAnswer& answer, const Model& model, const Judg
   text += own_surface_in_words(primitives);
   text += fmt::format("  are these the distance{} that were meant? That is not proved, but for you to see\n",
                       primitives.empty() ? " and the areas" : ", the areas and the primitives");
-  text += fmt::format("samples              {}, of which {} say less than they claim\n", judged.parts,
-                      judged.unproved_parts);
-  return text + end_in_words(judged, seconds, arguments);
+  return text + fmt::format("samples              {}, of which {} say less than they claim\n", judged.parts,
+                            judged.unproved_parts);
 }
 
-std::string json(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged, double seconds,
-                 const CheckArguments& arguments) {
+JsonObject object_of(const ContactAnswer& answer, const Model& model, const JudgedAnswer& judged) {
   const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) {
     return JsonObject{{"name", claim.of}, {"what", claim.what}};
   });
@@ -221,21 +189,15 @@ std::string json(const ContactAnswer& answer, const Model& model, const JudgedAn
   const std::vector<std::uint64_t> triangles = triangles_by_region(answer);
   for (std::size_t r = 0; r < answer.regions.size(); ++r)
     areas.push_back(JsonObject{{"name", answer.regions[r]}, {"triangles", triangles[r]}});
-  JsonValue::Array primitives;
-  for (const std::string& name : counted_primitives(answer, model)) primitives.push_back(name);
-  const JsonObject object{{"kind", "contact"},
-                          {"claims", claims},
-                          {"without_an_end", judged.unbounded()},
-                          {"distance", answer.distance},
-                          {"areas", areas},
-                          {"implant_contact_of", primitives},
-                          {"samples", judged.parts},
-                          {"unproved_samples", judged.unproved_parts},
-                          {"units", answer.units},
-                          {"seconds", seconds},
-                          {"interrupted", judged.interrupted},
-                          {"certificate", arguments.certificate}};
-  return object.text() + "\n";
+  return {{"kind", "contact"},
+          {"claims", claims},
+          {"without_an_end", judged.unbounded()},
+          {"distance", answer.distance},
+          {"areas", areas},
+          {"implant_contact_of", counted_primitives(answer, model)},
+          {"samples", judged.parts},
+          {"unproved_samples", judged.unproved_parts},
+          {"units", answer.units}};
 }
 
 }  // namespace
@@ -245,13 +207,13 @@ ExitStatus run_check(const ContactAnswer& answer, const CheckArguments& argument
   const Model model = subject_model(arguments.models.front(), answer.model, arguments.certificate);
   refuse_other_units(model.units, "model", answer.units, arguments.certificate);
   const Mesh mesh = subject_mesh(arguments.inputs.mesh, answer.mesh, arguments.certificate);
-  watch_for_interruption();
-  const Stopwatch time;
-  const JudgedAnswer contact = judged(answer, model, mesh, arguments);
-  const double seconds = time.seconds();
-  fmt::print("{}", arguments.json ? json(answer, model, contact, seconds, arguments)
-                                  : readable(answer, model, contact, seconds, arguments));
-  return status_of(contact);
+  return proved_again(
+      {.elements = "%",
+       .steps = "samples",
+       .judge = [&](const CheckOptions& options) { return judge(answer, arguments.certificate, model, mesh, options); },
+       .words = [&](const JudgedAnswer& judged) { return readable(answer, model, judged); },
+       .members = [&](const JudgedAnswer& judged) { return object_of(answer, model, judged); }},
+      arguments);
 }
 
 ExitStatus run_check(const ContainmentAnswer& answer, const CheckArguments& arguments) {

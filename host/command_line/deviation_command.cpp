@@ -274,24 +274,24 @@ namespace {
 constexpr std::uint32_t most_parts = 100;
 
 constexpr const char* closing_words =
-    "Encloses the distance of each vertex to the model's surface; over all points of all triangles the largest, the\n"
-    "mean by area and percentiles of that distance; and over the whole surface of the model the largest distance to\n"
-    "the mesh. The larger of both largest ones is the two-sided Hausdorff distance.\n"
-    "Of --parts or --landmarks the table by region tells largest and mean of the triangles whose centroids lie there.\n"
-    "Proven is the distance between the boundary of the model's solid and the triangles exactly as their binary64\n"
-    "corners state them: neither what was measured nor what lies inside of the mesh. It need not be closed.\n"
-    "Of --points each point counts by itself, from the points to the model; with --both-ways also the model's surface\n"
-    "to the nearest point. The rows of -o, of the report and of the picture are signed, as those of `verisq map`.\n"
-    "At the --time-limit, and at Ctrl-C, everything printed is valid, and wide.\n"
-    "\n"
-    "Exit status: 0 every enclosure is as narrow as --tol asks, 3 one is wider, 2 bad usage or input, 130 interrupted\n"
-    "by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq deviation --model stem.json --mesh stem.stl\n"
-    "  verisq deviation --model femur.json --mesh femur.stl --tol 0.05 --png deviation.png -o vertices.csv\n"
-    "  verisq deviation --model femur.json --mesh femur.stl --landmarks landmarks.json --statistics-of-model\n"
-    "  verisq deviation --model stem.json --points scan.csv --percentile 90 --percentile 99 --json";
+    R"(Encloses the distance of each vertex to the model's surface; over all points of all triangles the largest, the
+mean by area and percentiles of that distance; and over the whole surface of the model the largest distance to
+the mesh. The larger of both largest ones is the two-sided Hausdorff distance.
+Of --parts or --landmarks the table by region tells largest and mean of the triangles whose centroids lie there.
+Proven is the distance between the boundary of the model's solid and the triangles exactly as their binary64
+corners state them: neither what was measured nor what lies inside of the mesh. It need not be closed.
+Of --points each point counts by itself, from the points to the model; with --both-ways also the model's surface
+to the nearest point. The rows of -o, of the report and of the picture are signed, as those of `verisq map`.
+At the --time-limit, and at Ctrl-C, everything printed is valid, and wide.
+
+Exit status: 0 every enclosure is as narrow as --tol asks, 3 one is wider, 2 bad usage or input, 130 interrupted
+by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
+
+Examples:
+  verisq deviation --model stem.json --mesh stem.stl
+  verisq deviation --model femur.json --mesh femur.stl --tol 0.05 --png deviation.png -o vertices.csv
+  verisq deviation --model femur.json --mesh femur.stl --landmarks landmarks.json --statistics-of-model
+  verisq deviation --model stem.json --points scan.csv --percentile 90 --percentile 99 --json)";
 
 double parse_percentile(std::string_view option, const std::string& text) {
   const std::optional<double> percent = finite_number(text);
@@ -427,8 +427,7 @@ ExitStatus status_of(const Deviation& deviation) {
   return deviation.to_tolerance ? ExitStatus::verified : ExitStatus::unverified;
 }
 
-}  // namespace
-
+/// "0.1", or "5%" for a share. Throws Error(input) that begins with `option` unless it is finite and above 0.
 LengthOrShare parse_length_or_share(std::string_view option, const std::string& text) {
   const bool is_share = text.ends_with('%');
   const std::optional<double> number =
@@ -468,6 +467,7 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
 ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
   const Model model = read_model_at(arguments.inputs.pose, arguments.inputs.model);
@@ -517,6 +517,8 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   if (unwritten) throw Error(unwritten->kind(), unwritten->what());
   return certified ? status_of(report.deviation) : ExitStatus::interrupted;
 }
+
+}  // namespace
 
 Command deviation_command() {
   return command("deviation", "Enclose how far a mesh and a model's surface lie apart, both ways", declare_deviation,

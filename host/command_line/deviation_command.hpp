@@ -81,9 +81,6 @@ struct LengthOrShare {
   bool is_share;
 };
 
-/// "0.1", or "5%" for a share. Throws Error(input) that begins with `option` unless it is finite and above 0.
-[[nodiscard]] LengthOrShare parse_length_or_share(std::string_view option, const std::string& text);
-
 /// As typed; `run_deviation` checks what depends on several options.
 struct DeviationArguments {
   InputArguments inputs;
@@ -101,10 +98,5 @@ struct DeviationArguments {
   bool json = false;
   bool no_progress = false;
 };
-
-void declare_deviation(Options& options, DeviationArguments& arguments);
-
-/// Throws Error(input) for errors that the user can correct, before the first distance is computed.
-ExitStatus run_deviation(const DeviationArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -86,8 +86,6 @@ struct DistanceSearch {
 [[nodiscard]] std::vector<PosedAnswer> certified_distances(const Model& a, const Model& b, const std::string& poses,
                                                            double tolerance, bool show_progress);
 
-// `verisq distance`: encloses the distance of two models and their closest points, or the distances for many poses.
-
 /// As typed; `run_distance` checks what depends on several options.
 struct DistanceArguments {
   std::string model_a;

@@ -26,6 +26,7 @@
 #include "host/prepare/femur_axes.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The output of `verisq features`.
 
@@ -38,15 +39,6 @@ struct FeaturesReport {
   std::vector<std::string> implant_notes = {};  ///< the points of the implant that count
   std::optional<FemurFeatures> changes = {};    ///< changes by an implant
 };
-
-/// Tables for people.
-[[nodiscard]] std::string readable(const FeaturesReport& report);
-/// One line of JSON.
-[[nodiscard]] std::string json(const FeaturesReport& report);
-/// The features for a report's table, an implant's changes first: a picture has room for a few lines.
-[[nodiscard]] std::vector<ReportLine> report_lines(const FeaturesReport& report);
-
-// `verisq features`: head, neck, shaft and condyles of a femur, and a surgeon's measurements of them, as intervals.
 
 /// As typed; `run_features` checks what depends on several of them.
 struct FeaturesArguments {
@@ -67,13 +59,6 @@ struct FeaturesArguments {
   bool json = false;
   bool no_progress = false;
 };
-
-void declare_features(Options& options, FeaturesArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_features(const FeaturesArguments& arguments);
-
-namespace {
 
 const char* unit_of(const Feature& feature) {
   return feature.unit == FeatureUnit::length ? "mm" : "deg";
@@ -163,8 +148,7 @@ JsonValue json_of(const FemurLandmarks& landmarks) {
   return result;
 }
 
-}  // namespace
-
+/// Tables for people.
 std::string readable(const FeaturesReport& report) {
   std::string result = fmt::format("side                        {}\n", side_name(report.side));
   for (const std::string& note : report.notes) result += fmt::format("found               {}\n", note);
@@ -182,6 +166,7 @@ std::string readable(const FeaturesReport& report) {
   return result + table(*report.changes);
 }
 
+/// One line of JSON.
 std::string json(const FeaturesReport& report) {
   const JsonObject object{
       {"side", report.side ? JsonValue(side_name(report.side)) : JsonValue()},
@@ -199,6 +184,7 @@ std::string json(const FeaturesReport& report) {
   return object.text() + "\n";
 }
 
+/// The features for a report's table, an implant's changes first: a picture has room for a few lines.
 std::vector<ReportLine> report_lines(const FeaturesReport& report) {
   std::vector<ReportLine> lines{{"side", side_name(report.side)},
                                 {"landmarks known to", fmt::format("{:.6g} mm", report.landmark_radius)}};
@@ -211,8 +197,6 @@ std::vector<ReportLine> report_lines(const FeaturesReport& report) {
     lines.push_back({fmt::format("{} ({})", feature.name, feature.method), value_of(feature)});
   return lines;
 }
-
-namespace {
 
 constexpr const char* closing_words =
     "Landmarks are found in floating point, in millimetres: look at them (--report). Those of --landmarks take the "
@@ -409,8 +393,6 @@ void detect_landmarks(const Surface& surface, FeaturesReport& report) {
   override_landmarks(report.landmarks, surface.named);
 }
 
-}  // namespace
-
 void declare_features(Options& options, FeaturesArguments& arguments) {
   options.explain(closing_words);
   options.add("--mesh", arguments.mesh, "FILE", "A whole or a proximal femur, in mm: .stl .obj .ply .off .vtp .vtk");
@@ -438,6 +420,7 @@ void declare_features(Options& options, FeaturesArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_features(const FeaturesArguments& arguments) {
   check_usage(arguments);
   std::optional<LandmarkFile> given;
@@ -480,6 +463,8 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
   if (!drawn) return ExitStatus::interrupted;
   return says_all(report) ? ExitStatus::verified : ExitStatus::unverified;
 }
+
+}  // namespace
 
 Command features_command() {
   return command("features", "Enclose what a surgeon measures of a femur: head, offset, CCD, version", declare_features,

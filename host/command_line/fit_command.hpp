@@ -24,8 +24,6 @@
 
 namespace verisq::command_line {
 
-// `verisq fit`: the pose and the sizes of an implant that serve a cavity best, and the proof of how well.
-
 /// As typed; `fit_request` and the library check what depends on the files or on several options.
 struct FitArguments {
   std::vector<std::string> implants;     ///< files of the series

@@ -82,9 +82,6 @@ void count(const Insertion& insertion, InsertReport& report);
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
 [[nodiscard]] std::string json(const InsertReport& report);
 
-// `verisq insert`: how deep an implant cuts into the bone on its way in, for each vertex of a mesh, and how much bone
-// it takes away.
-
 /// As typed; `run_insert` checks what depends on several options.
 struct InsertArguments {
   InsertionInputs inputs;

@@ -25,6 +25,7 @@
 #include "verify/solids/model.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // `verisq map`: an enclosure of the distance for each vertex or triangle of a mesh or point of a file.
 
@@ -50,12 +51,6 @@ struct MapArguments {
   bool no_progress = false;
 };
 
-void declare_map(Options& options, MapArguments& arguments);
-
-/// Throws Error(input) for errors that the user can correct, before the first distance is computed (a file of points is
-/// a stream: its later lines are checked as they come).
-ExitStatus run_map(const MapArguments& arguments);
-
 // `verisq merge`: the whole of a map whose parts several processes made.
 
 struct MergeArguments {
@@ -65,47 +60,38 @@ struct MergeArguments {
   bool json = false;
 };
 
-void declare_merge(Options& options, MergeArguments& arguments);
-
-/// The status of the whole map. Throws Error(input) for parts that do not belong together.
-ExitStatus run_merge(const MergeArguments& arguments);
-
-namespace {
-
 constexpr const char* closing_words_of_map =
-    "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
-    "outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. \"Verified\"\n"
-    "rows are at most the tolerance wide; \"wide\" ones are valid all the same. With --tol 0 those are verified that "
-    "are\n"
-    "as tight as the methods get: at most 1e-12 of the largest coordinate or of the model's radius wide, of points\n"
-    "inside 2e-9 of the radius.\n"
-    "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
-    "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
-    "So it is where the model's place is known to a --translation-error and a --rotation-error, as of a tracked tool.\n"
-    "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
-    "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second\n"
-    "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
-    "With -o - the rows go to the standard output and the summary to the standard error.\n"
-    "A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which\n"
-    "its triangles wind. The host maps to it.\n"
-    "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
-    "the largest); -o may be left out then.\n"
-    "\n"
-    "Exit status: 0 every enclosure is at most the tolerance wide (or the tightest), 3 one is wider, 2 bad usage or\n"
-    "input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
-    "  verisq map --model stem.stl --mesh femur.stl -o clearance.vtp\n"
-    "  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png\n"
-    "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
-    "  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp\n"
-    "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
-    "  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o "
-    "worst.csv\n"
-    "  verisq map --model stem.json --points samples.npy --part 3/8 -o distances.3.npy\n"
-    "  sample | verisq map --model stem.json --points - -o - | plot\n"
-    "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
+    R"(Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive
+outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. "Verified"
+rows are at most the tolerance wide; "wide" ones are valid all the same. With --tol 0 those are verified that are
+as tight as the methods get: at most 1e-12 of the largest coordinate or of the model's radius wide, of points
+inside 2e-9 of the radius.
+Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each
+row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.
+So it is where the model's place is known to a --translation-error and a --rotation-error, as of a tracked tool.
+At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is
+valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second
+Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.
+With -o - the rows go to the standard output and the summary to the standard error.
+A closed mesh may be the --model, an implant as .stl, or a primitive of it: its solid is every point about which
+its triangles wind. The host maps to it.
+--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals
+the largest); -o may be left out then.
+
+Exit status: 0 every enclosure is at most the tolerance wide (or the tightest), 3 one is wider, 2 bad usage or
+input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
+
+Examples:
+  verisq map --model stem.json --mesh femur.off -o clearance.vtp
+  verisq map --model stem.stl --mesh femur.stl -o clearance.vtp
+  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png
+  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp
+  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp
+  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy
+  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o worst.csv
+  verisq map --model stem.json --points samples.npy --part 3/8 -o distances.3.npy
+  sample | verisq map --model stem.json --points - -o - | plot
+  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json)";
 
 constexpr const char* depth_of_overlaps =
     "certificates prove a depth by one primitive alone, and where primitives overlap their union is deeper; the map "
@@ -435,8 +421,6 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   return map_to_file(peeked, drawn_part ? nullptr : stream.mesh(), make_mapper, request);
 }
 
-}  // namespace
-
 void declare_map(Options& options, MapArguments& arguments) {
   options.explain(closing_words_of_map);
   declare_inputs(options, arguments.inputs);
@@ -486,6 +470,8 @@ void declare_map(Options& options, MapArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for errors that the user can correct, before the first distance is computed (a file of points is
+/// a stream: its later lines are checked as they come).
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
   Deadline limit(arguments.time_limit, interrupted);
@@ -509,6 +495,8 @@ ExitStatus run_map(const MapArguments& arguments) {
                                            : map_and_report<TriangleStream>(model, elements, arguments, options, limit);
 }
 
+}  // namespace
+
 Command map_command() {
   return command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map);
 }
@@ -516,23 +504,18 @@ Command map_command() {
 namespace {
 
 constexpr const char* closing_words_of_merge =
-    "PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` "
-    "wrote,\n"
-    "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes "
-    "on\n"
-    "the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused "
-    "are\n"
-    "gaps and overlaps, parts of other models, inputs, options, devices or "
-    "versions\n"
-    "of verisq, and files that are not those that were written.\n"
-    "\n"
-    "Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts "
-    "do\n"
-    "not belong together.\n"
-    "\n"
-    "Example:\n"
-    "  for i in 1 2 3 4; do verisq map --model stem.json --points samples.npy --part $i/4 -o part.$i.npy; done\n"
-    "  verisq merge part.*.npy -o distances.npy";
+    R"(PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` wrote,
+all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes on
+the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused are
+gaps and overlaps, parts of other models, inputs, options, devices or versions
+of verisq, and files that are not those that were written.
+
+Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts do
+not belong together.
+
+Example:
+  for i in 1 2 3 4; do verisq map --model stem.json --points samples.npy --part $i/4 -o part.$i.npy; done
+  verisq merge part.*.npy -o distances.npy)";
 
 std::string tolerance_of(const MapPart& whole) {
   const auto found = std::ranges::find(whole.settings, "tolerance", &PartSetting::name);
@@ -580,8 +563,6 @@ std::string json(const MergedMap& merged, const MergeArguments& arguments, doubl
   return object.text() + "\n";
 }
 
-}  // namespace
-
 void declare_merge(Options& options, MergeArguments& arguments) {
   options.explain(closing_words_of_merge);
   options.require_each("PARTS", arguments.parts, "PARTS",
@@ -592,6 +573,7 @@ void declare_merge(Options& options, MergeArguments& arguments) {
   options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
 }
 
+/// The status of the whole map. Throws Error(input) for parts that do not belong together.
 ExitStatus run_merge(const MergeArguments& arguments) {
   const Stopwatch time;
   const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
@@ -600,6 +582,8 @@ ExitStatus run_merge(const MergeArguments& arguments) {
   fmt::print("{}", arguments.json ? json(merged, arguments, seconds) : readable(merged, arguments, seconds));
   return merged.whole.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
+
+}  // namespace
 
 Command merge_command() {
   return command("merge", "Make one map of all its parts, after checking that they belong together", declare_merge,

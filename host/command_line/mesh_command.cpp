@@ -23,6 +23,7 @@
 #include "host/prepare/mesh_geometry.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The summary of a model's mesh on the standard output: for people, or as one JSON object.
 
@@ -37,13 +38,6 @@ struct MeshReport {
   double seconds;
 };
 
-[[nodiscard]] std::string readable(const MeshReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const MeshReport& report);
-
-// `verisq mesh`: a model's surface as a closed triangle mesh.
-
 /// As typed; `run_mesh` checks what depends on the file.
 struct MeshArguments {
   std::string model;
@@ -56,19 +50,10 @@ struct MeshArguments {
   bool no_progress = false;
 };
 
-void declare_mesh(Options& options, MeshArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_mesh(const MeshArguments& arguments);
-
-namespace {
-
 /// A cube of lengths may have no binary64 number; the mesh has a volume above 0.
 bool is_told(double volume) {
   return volume > 0.0 && std::isfinite(volume);
 }
-
-}  // namespace
 
 std::string readable(const MeshReport& report) {
   const std::string units = units_behind(report.units);
@@ -92,6 +77,7 @@ std::string readable(const MeshReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const MeshReport& report) {
   const MeshTopology& topology = report.topology;
   const JsonObject object{
@@ -112,24 +98,20 @@ std::string json(const MeshReport& report) {
   return object.text() + "\n";
 }
 
-namespace {
-
 constexpr const char* closing_words =
-    "The mesh is closed, manifold and oriented outward, which is checked of every mesh; of a union it is the boundary\n"
-    "of the whole, with no triangles inside. Vertices lie on the model's surface, many of them on edges and corners.\n"
-    "STL rounds coordinates to binary32; .ply and .off keep them.\n"
-    "The deviation printed is proven of the mesh as it is written: no point of either surface is farther from the "
-    "other\n"
-    "one. Where it is more than asked for, the model is meshed anew, finer, up to three times. Ctrl-C and "
-    "--time-limit\n"
-    "write no file.\n"
-    "\n"
-    "Exit status: 0 written, the deviation is proven to be at most --deviation; 3 written, it is not, or\n"
-    "ended by --time-limit; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq mesh --model stem.json --deviation 0.05 -o stem.stl\n"
-    "  verisq mesh --model stem.json --deviation 0.01 -o stem.ply --json";
+    R"(The mesh is closed, manifold and oriented outward, which is checked of every mesh; of a union it is the boundary
+of the whole, with no triangles inside. Vertices lie on the model's surface, many of them on edges and corners.
+STL rounds coordinates to binary32; .ply and .off keep them.
+The deviation printed is proven of the mesh as it is written: no point of either surface is farther from the other
+one. Where it is more than asked for, the model is meshed anew, finer, up to three times. Ctrl-C and --time-limit
+write no file.
+
+Exit status: 0 written, the deviation is proven to be at most --deviation; 3 written, it is not, or
+ended by --time-limit; 2 bad usage or input; 130 interrupted by Ctrl-C.
+
+Examples:
+  verisq mesh --model stem.json --deviation 0.05 -o stem.stl
+  verisq mesh --model stem.json --deviation 0.01 -o stem.ply --json)";
 
 /// The property that the mesh lacks, or an empty text.
 std::string defect(const MeshTopology& topology, int volume_sign) {
@@ -198,8 +180,6 @@ ProvenMesh proven_mesh(const Model& model, const MeshArguments& arguments, const
   }
 }
 
-}  // namespace
-
 void declare_mesh(Options& options, MeshArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--model", arguments.model);
@@ -214,6 +194,7 @@ void declare_mesh(Options& options, MeshArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_mesh(const MeshArguments& arguments) {
   if (!arguments.deviation) refuse("--deviation is required");
   check_mesh_name(arguments.output);
@@ -245,6 +226,8 @@ ExitStatus run_mesh(const MeshArguments& arguments) {
   const double reached = proven.deviation ? proven.deviation->hi : found.estimated_deviation;
   return reached <= *arguments.deviation ? ExitStatus::verified : ExitStatus::unverified;
 }
+
+}  // namespace
 
 Command mesh_command() {
   return command("mesh", "Write a model's surface as a closed mesh, to a given deviation", declare_mesh, run_mesh);

@@ -20,16 +20,9 @@
 #include "host/files/words.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // Options whose values are sizes of files: --max-output.
-
-/// Bytes: "500000", "250MB" or "1.5 GiB"; units kB, MB, GB, TB are powers of 1000, KiB, MiB, GiB, TiB of 1024, in
-/// capitals or not. Throws Error(input) that begins with `option` for anything else, and for sizes of 2^63 bytes and
-/// more.
-[[nodiscard]] std::uint64_t parse_byte_size(std::string_view option, std::string_view text);
-
-/// "2.95 GB": three digits, in powers of 1000.
-[[nodiscard]] std::string byte_size_text(std::uint64_t bytes);
 
 // The summary of an octree on the standard output: for people, or as one JSON object.
 
@@ -40,14 +33,6 @@ struct OctreeReport {
   std::string units;                ///< of the model; empty when not given
   std::optional<double> tolerance;  ///< tolerance of the volume, if one was given
 };
-
-/// Ends of enclosures are rounded outward to the digits printed.
-[[nodiscard]] std::string readable(const OctreeReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const OctreeReport& report);
-
-// `verisq octree`: cubes proven inside and outside a model, and its volume between two bounds.
 
 /// As typed; `run_octree` checks what depends on the file or on several options.
 struct OctreeArguments {
@@ -65,13 +50,6 @@ struct OctreeArguments {
   bool no_progress = false;
 };
 
-void declare_octree(Options& options, OctreeArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_octree(const OctreeArguments& arguments);
-
-namespace {
-
 struct Unit {
   std::string_view name;
   double bytes;
@@ -81,8 +59,9 @@ constexpr std::array units{Unit{"", 1.0},       Unit{"b", 1.0},     Unit{"kb", 1
                            Unit{"gb", 1e9},     Unit{"tb", 1e12},   Unit{"kib", 0x1p10}, Unit{"mib", 0x1p20},
                            Unit{"gib", 0x1p30}, Unit{"tib", 0x1p40}};
 
-}  // namespace
-
+/// Bytes: "500000", "250MB" or "1.5 GiB"; units kB, MB, GB, TB are powers of 1000, KiB, MiB, GiB, TiB of 1024, in
+/// capitals or not. Throws Error(input) that begins with `option` for anything else, and for sizes of 2^63 bytes and
+/// more.
 std::uint64_t parse_byte_size(std::string_view option, std::string_view text) {
   const std::size_t end = text.find_last_of("0123456789.") + 1;  // 0 where there is none
   std::string_view name = text.substr(end);
@@ -94,14 +73,13 @@ std::uint64_t parse_byte_size(std::string_view option, std::string_view text) {
   return static_cast<std::uint64_t>(bytes);
 }
 
+/// "2.95 GB": three digits, in powers of 1000.
 std::string byte_size_text(std::uint64_t bytes) {
   const std::string number = with_prefix(static_cast<double>(bytes));
   const bool has_prefix = number.back() < '0' || number.back() > '9';
   const std::size_t digits = number.size() - (has_prefix ? 1 : 0);
   return fmt::format("{} {}B", number.substr(0, digits), number.substr(digits));
 }
-
-namespace {
 
 std::string table(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
@@ -118,8 +96,7 @@ double cubes_per_second(const OctreeSummary& summary) {
   return summary.seconds > 0.0 ? static_cast<double>(summary.coloured) / summary.seconds : 0.0;
 }
 
-}  // namespace
-
+/// Ends of enclosures are rounded outward to the digits printed.
 std::string readable(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
   const std::string cubic_units = units_behind(report.units, 3);
@@ -137,6 +114,7 @@ std::string readable(const OctreeReport& report) {
   return text + fmt::format("octree             {}{}{}\n", size, size.empty() ? "" : ", ", quotation(report.output));
 }
 
+/// One line.
 std::string json(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
   JsonValue::Array levels;
@@ -168,8 +146,6 @@ std::string json(const OctreeReport& report) {
   };
   return object.text() + "\n";
 }
-
-namespace {
 
 constexpr const char* closing_words =
     "Every cube of OUT.vtu is proven: colour 2 (black) lies inside the model, 0 (white) outside; 1 (gray) is "
@@ -221,8 +197,6 @@ void explain(const OctreeSummary& summary, bool is_complete, const std::string& 
   }
 }
 
-}  // namespace
-
 void declare_octree(Options& options, OctreeArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--model", arguments.model);
@@ -243,6 +217,7 @@ void declare_octree(Options& options, OctreeArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_octree(const OctreeArguments& arguments) {
   Deadline limit(arguments.time_limit, interrupted);
   OctreeOptions options = options_of(arguments, limit);
@@ -289,6 +264,8 @@ ExitStatus run_octree(const OctreeArguments& arguments) {
   }
   return is_complete ? ExitStatus::verified : ExitStatus::unverified;
 }
+
+}  // namespace
 
 Command octree_command() {
   return command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree,

@@ -11,9 +11,6 @@
 #include <vector>
 
 namespace CLI {
-
-// The options of a program and of its commands: declared by kind, parsed by CLI11, which options.cpp alone includes.
-
 class App;
 }  // namespace CLI
 

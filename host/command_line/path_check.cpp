@@ -39,6 +39,9 @@ double length_of(std::span<const Pose> path) {
   return length;
 }
 
+namespace {
+
+/// The approximate sum of all its turns: for people.
 double degrees_of(std::span<const Pose> path) {
   double degrees = 0.0;
   for (std::size_t k = 1; k < path.size(); ++k) {
@@ -47,6 +50,8 @@ double degrees_of(std::span<const Pose> path) {
   return degrees;
 }
 
+/// Begin, end, number of poses, length and turning: a line each, under "the `way` begins at". `of_what` moves.
+/// Precondition: not empty; `units` empty, or after a space.
 std::string path_in_words(std::span<const Pose> path, std::string_view way, std::string_view of_what,
                           std::string_view units) {
   const std::string begins = fmt::format("the {} begins at", way);
@@ -55,17 +60,6 @@ std::string path_in_words(std::span<const Pose> path, std::string_view way, std:
   text += fmt::format("  poses              {}, and all between them\n", path.size());
   text += fmt::format("  length             {:.4g}{}, of {} origin\n", length_of(path), units, of_what);
   return text + fmt::format("  turning            {:.4g} degrees in all\n", degrees_of(path));
-}
-
-namespace {
-
-JudgedAnswer judged(const PathAnswer& answer, const TwoModels& models, const CheckArguments& arguments) {
-  ProgressBar bar(!arguments.no_progress, "parts");
-  const auto parts = static_cast<double>(answer.certificate.parts.size());
-  return judge(answer, models[0], models[1],
-               {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                .interrupted = arguments.ended,
-                .progress = [&](double done) { bar.update(static_cast<std::uint64_t>(done * parts), done); }});
 }
 
 bool are_claims_proved(const JudgedAnswer& judged) {
@@ -88,8 +82,7 @@ std::string_view contact_in_a_word(const PathClaims& claims) {
   return contact && std::isfinite(contact->hi) ? "meets" : "not_claimed";
 }
 
-std::string readable(const PathAnswer& answer, const JudgedAnswer& judged, double seconds,
-                     const CheckArguments& arguments) {
+std::string readable(const PathAnswer& answer, const JudgedAnswer& judged, const CheckArguments& arguments) {
   std::string text = claims_in_words(
       judged,
       [](const JudgedClaim& claim) {
@@ -104,29 +97,24 @@ std::string readable(const PathAnswer& answer, const JudgedAnswer& judged, doubl
   text += path_in_words(answer.path, "path", "the moving model's", units_behind(answer.units));
   text += "  between the poses  steady: straight, and about one axis by the smaller angle\n";
   text += meant_in_words(arguments.poses, "path");
-  text += fmt::format("parts                {}\n", answer.certificate.parts.size());
-  return text + end_in_words(judged, seconds, arguments);
+  return text + fmt::format("parts                {}\n", answer.certificate.parts.size());
 }
 
-std::string json(const PathAnswer& answer, const JudgedAnswer& judged, double seconds,
-                 const CheckArguments& arguments) {
-  const JsonValue claims = claims_of(judged, [](const JudgedClaim& claim) { return JsonObject{{"what", claim.what}}; });
-  const JsonObject object{
-      {"kind", "path"},
-      {"claims", claims},
-      {"contact", are_claims_proved(judged) ? JsonValue(contact_in_a_word(answer.claims)) : JsonValue()},
-      {"path_begin", answer.path.front()},
-      {"path_end", answer.path.back()},
-      {"poses", answer.path.size()},
-      {"path_length", length_of(answer.path)},
-      {"path_degrees", degrees_of(answer.path)},
-      {"parts", answer.certificate.parts.size()},
-      {"units", answer.units},
-      {"models", arguments.models},
-      {"seconds", seconds},
-      {"interrupted", judged.interrupted},
-      {"certificate", arguments.certificate}};
-  return object.text() + "\n";
+JsonObject object_of(const PathAnswer& answer, const JudgedAnswer& judged, const CheckArguments& arguments) {
+  return {{"kind", "path"},
+          {"claims", claims_of(judged,
+                               [](const JudgedClaim& claim) {
+                                 return JsonObject{{"what", claim.what}};
+                               })},
+          {"contact", are_claims_proved(judged) ? JsonValue(contact_in_a_word(answer.claims)) : JsonValue()},
+          {"path_begin", answer.path.front()},
+          {"path_end", answer.path.back()},
+          {"poses", answer.path.size()},
+          {"path_length", length_of(answer.path)},
+          {"path_degrees", degrees_of(answer.path)},
+          {"parts", answer.certificate.parts.size()},
+          {"units", answer.units},
+          {"models", arguments.models}};
 }
 
 }  // namespace
@@ -134,13 +122,14 @@ std::string json(const PathAnswer& answer, const JudgedAnswer& judged, double se
 ExitStatus run_check(const PathAnswer& answer, const CheckArguments& arguments) {
   const TwoModels models = models_of(answer.models, answer.units, arguments_of_two_models(arguments));
   refuse_other_poses(arguments.poses, answer.path, arguments.certificate);
-  watch_for_interruption();
-  const Stopwatch time;
-  const JudgedAnswer path = judged(answer, models, arguments);
-  const double seconds = time.seconds();
-  fmt::print("{}",
-             arguments.json ? json(answer, path, seconds, arguments) : readable(answer, path, seconds, arguments));
-  return status_of(path);
+  return proved_again(
+      {.elements = "parts",
+       .steps = {},
+       .count = answer.certificate.parts.size(),
+       .judge = [&](const CheckOptions& options) { return judge(answer, models[0], models[1], options); },
+       .words = [&](const JudgedAnswer& judged) { return readable(answer, judged, arguments); },
+       .members = [&](const JudgedAnswer& judged) { return object_of(answer, judged, arguments); }},
+      arguments);
 }
 
 namespace {

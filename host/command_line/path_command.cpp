@@ -24,6 +24,7 @@
 #include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The output of `verisq path`: for people, or as one JSON object.
 
@@ -42,11 +43,6 @@ struct PathReport {
 /// there is one.
 [[nodiscard]] bool is_free(const PathReport& report);
 
-[[nodiscard]] std::string readable(const PathReport& report);
-[[nodiscard]] std::string json(const PathReport& report);
-
-// `verisq path`: encloses the smallest distance of two models while one of them moves, and when they first meet.
-
 struct PathArguments {
   std::string model_a;
   std::string model_b;
@@ -59,13 +55,6 @@ struct PathArguments {
   bool json = false;
   bool no_progress = false;
 };
-
-void declare_path(Options& options, PathArguments& arguments);
-
-/// `verified` only when the way is proven to be free. Throws Error(input) for errors that the user can correct.
-ExitStatus run_path(const PathArguments& arguments);
-
-namespace {
 
 std::string_view word(PathProximity proximity) {
   switch (proximity) {
@@ -91,8 +80,6 @@ std::string_view verdict_on_clearance(const PathReport& report) {
   if (is_free(report)) return "proven at all times";
   return report.found.smallest.hi < report.clearance ? "proven NOT to be kept" : "open";
 }
-
-}  // namespace
 
 bool is_free(const PathReport& report) {
   if (report.certified && !(report.certified->smallest.lo > 0.0 && report.certified->smallest.lo >= report.clearance))
@@ -151,22 +138,20 @@ std::string json(const PathReport& report) {
          "\n";
 }
 
-namespace {
-
 constexpr const char* closing_words =
-    "Time k is that of the path's pose k, from 0 on. Between two poses the translation is linear in time and the\n"
-    "rotation turns about a fixed axis at constant speed, by the smaller angle (half a turn, which has two ways,\n"
-    "is refused): the answer holds at all times of this motion. [lo, hi] contains the smallest distance of all times,\n"
-    "0 if the models meet; then the first contact lies in the printed interval of time.\n"
-    "\n"
-    "Exit status: 0 the way is proven free: apart at all times, by --clearance at least where it is given; 3 it is\n"
-    "not: the models meet, come too near, or it is open, as by --time-limit; 2 bad usage or input, 130 interrupted by\n"
-    "Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq path cup.json stem.json --poses reduction.csv\n"
-    "  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json\n"
-    "  verisq path table.json gripper.json --poses trajectory.csv --certificate-file free.json";
+    R"(Time k is that of the path's pose k, from 0 on. Between two poses the translation is linear in time and the
+rotation turns about a fixed axis at constant speed, by the smaller angle (half a turn, which has two ways,
+is refused): the answer holds at all times of this motion. [lo, hi] contains the smallest distance of all times,
+0 if the models meet; then the first contact lies in the printed interval of time.
+
+Exit status: 0 the way is proven free: apart at all times, by --clearance at least where it is given; 3 it is
+not: the models meet, come too near, or it is open, as by --time-limit; 2 bad usage or input, 130 interrupted by
+Ctrl-C.
+
+Examples:
+  verisq path cup.json stem.json --poses reduction.csv
+  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json
+  verisq path table.json gripper.json --poses trajectory.csv --certificate-file free.json)";
 
 struct Travellers {
   const Model& a;
@@ -198,8 +183,6 @@ void certify(const Travellers& of, PathDistanceOptions options, const PathArgume
   report.certified = certified.claims;
 }
 
-}  // namespace
-
 void declare_path(Options& options, PathArguments& arguments) {
   options.explain(closing_words);
   options.require("A", arguments.model_a, "A.json", "Model file (verisq-model/1): it rests");
@@ -220,6 +203,7 @@ void declare_path(Options& options, PathArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// `verified` only when the way is proven to be free. Throws Error(input) for errors that the user can correct.
 ExitStatus run_path(const PathArguments& arguments) {
   check_certificate_file(arguments.certificate_file, {arguments.model_a, arguments.model_b, arguments.poses});
   const Model a = read_model(arguments.model_a);
@@ -252,6 +236,8 @@ ExitStatus run_path(const PathArguments& arguments) {
   if (report.found.interrupted) return status_of_end();
   return is_free(report) ? ExitStatus::verified : ExitStatus::unverified;
 }
+
+}  // namespace
 
 Command path_command() {
   return command("path", "Enclose the smallest distance of two models while one moves, and when they meet",

@@ -28,6 +28,7 @@
 #include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The summary of a recovery on the standard output: for people, or as one JSON object.
 
@@ -40,9 +41,6 @@ struct ContainedWords {
 
 /// Without its dashes.
 [[nodiscard]] std::string option_of(Containment containment);
-
-/// Why it is not proven. Precondition: it is not.
-[[nodiscard]] std::string obstacle(const ContainedWords& contained);
 
 struct RecoverReport {
   const Recovery& recovery;
@@ -61,13 +59,6 @@ struct RecoverReport {
   /// Returns whether the model is proven to be where it was requested to be; true if nothing was requested.
   [[nodiscard]] bool is_contained() const { return !contained || contained->proof.proven; }
 };
-
-[[nodiscard]] std::string readable(const RecoverReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const RecoverReport& report);
-
-// `verisq recover`: a model from a point cloud or a mesh.
 
 /// As typed; `run_recover` checks what depends on several options.
 struct RecoverArguments {
@@ -91,13 +82,6 @@ struct RecoverArguments {
   bool json = false;
   bool no_progress = false;
 };
-
-void declare_recover(Options& options, RecoverArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_recover(const RecoverArguments& arguments);
-
-namespace {
 
 std::string columns(const EstimatedDeviation& deviation) {
   return fmt::format("{:>12.4g}{:>12.4g}{:>12.4g}", deviation.mean, deviation.percentile_95, deviation.largest);
@@ -175,12 +159,11 @@ JsonValue as_json(const EstimatedDeviation& deviation) {
                     {"largest", deviation.largest}};
 }
 
-}  // namespace
-
 std::string option_of(Containment containment) {
   return containment == Containment::within ? "inside" : "outside";
 }
 
+/// Why it is not proven. Precondition: it is not.
 std::string obstacle(const ContainedWords& contained) {
   const ContainmentProof& proof = contained.proof;
   const std::string option = "--" + option_of(contained.containment);
@@ -218,6 +201,7 @@ std::string readable(const RecoverReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const RecoverReport& report) {
   const Recovery& recovery = report.recovery;
   JsonValue::Array stages;
@@ -248,39 +232,32 @@ std::string json(const RecoverReport& report) {
   return object.text() + "\n";
 }
 
-namespace {
-
 constexpr std::size_t most_primitives = 64;
 constexpr std::size_t most_for_deviation = 24;  // where --deviation alone says when to stop
 
 constexpr const char* closing_words =
-    "One primitive is the likeliest superquadric for the points: some may be missing, moved by noise, or outliers "
-    "that\n"
-    "belong to nothing. Several are a union, grown one by one; of a closed mesh they also fill its inside, and "
-    "primitives\n"
-    "that the union does as well without are left out at the end.\n"
-    "\n"
-    "Deviations on the way are estimated from samples, in floating point; that of the result from a mesh is proven, "
-    "as\n"
-    "`verisq deviation` does it. The same seed gives the same model.\n"
-    "\n"
-    "--inside and --outside begin with the same search. Then the union is fitted with the mesh's surface on one side "
-    "of\n"
-    "it, and grows or shrinks until that is proven, of all points of all triangles.\n"
-    "\n"
-    "--certificate-file keeps what proves that once more.\n"
-    "\n"
-    "Ctrl-C and --time-limit end the search: the best model so far is written.\n"
-    "\n"
-    "Exit status: 0 done; 3 written, but --deviation is not reached, --inside or --outside not proven, or the time "
-    "limit\n"
-    "ended it; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq recover --points scan.csv -o part.json\n"
-    "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json\n"
-    "  verisq recover --mesh femur.stl --primitives 6 --report femur.html -o femur.json\n"
-    "  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json";
+    R"(One primitive is the likeliest superquadric for the points: some may be missing, moved by noise, or outliers that
+belong to nothing. Several are a union, grown one by one; of a closed mesh they also fill its inside, and primitives
+that the union does as well without are left out at the end.
+
+Deviations on the way are estimated from samples, in floating point; that of the result from a mesh is proven, as
+`verisq deviation` does it. The same seed gives the same model.
+
+--inside and --outside begin with the same search. Then the union is fitted with the mesh's surface on one side of
+it, and grows or shrinks until that is proven, of all points of all triangles.
+
+--certificate-file keeps what proves that once more.
+
+Ctrl-C and --time-limit end the search: the best model so far is written.
+
+Exit status: 0 done; 3 written, but --deviation is not reached, --inside or --outside not proven, or the time limit
+ended it; 2 bad usage or input; 130 interrupted by Ctrl-C.
+
+Examples:
+  verisq recover --points scan.csv -o part.json
+  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json
+  verisq recover --mesh femur.stl --primitives 6 --report femur.html -o femur.json
+  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json)";
 
 std::optional<Containment> containment_of(const RecoverArguments& arguments) {
   if (arguments.inside) return Containment::within;
@@ -423,8 +400,6 @@ double parse_share(std::string_view option, const std::string& text) {
   return *share;
 }
 
-}  // namespace
-
 void declare_recover(Options& options, RecoverArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
@@ -457,6 +432,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   add_no_progress(options, arguments.no_progress);
 }
 
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_recover(const RecoverArguments& arguments) {
   Deadline limit(arguments.time_limit, interrupted);
   const RecoveryOptions options = options_of(arguments, limit);
@@ -502,6 +478,8 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const ExitStatus status = status_of(report);
   return status == ExitStatus::verified && !certificate ? ExitStatus::unverified : status;
 }
+
+}  // namespace
 
 Command recover_command() {
   return command("recover", "Make a model of a point cloud or a mesh, without proof", declare_recover, run_recover);

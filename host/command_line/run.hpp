@@ -56,7 +56,6 @@ template <class Arguments>
 [[nodiscard]] Command batch_command();
 [[nodiscard]] Command check_command();
 [[nodiscard]] Command deviation_command();
-[[nodiscard]] Command devices_command();
 [[nodiscard]] Command distance_command();
 [[nodiscard]] Command features_command();
 [[nodiscard]] Command fit_command();
@@ -68,7 +67,6 @@ template <class Arguments>
 [[nodiscard]] Command path_command();
 [[nodiscard]] Command recover_command();
 [[nodiscard]] Command stance_command();
-[[nodiscard]] Command surface_command();
 
 inline constexpr const char* surface_description =
     "Closed oriented surface from points, a damaged mesh or a labelled volume; canals";

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <verisq/distance.hpp>
-#include <verisq/files.hpp>
 #include <verisq/version.hpp>
 
 #include "host/command_line/inputs.hpp"
@@ -101,14 +100,15 @@ std::future<SubjectFile> digest_begun(const std::string& file) {
   return std::async(std::launch::async, [file] { return digest_of_file(file); });
 }
 
-}  // namespace
-
+/// "3/8". Throws Error(input) for anything else.
 PartOption parse_part(std::string_view option, const std::string& text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos) refuse(fmt::format("{}: {}: give i/n, part i (from 1) of n", option, text));
   const std::uint64_t parts = parse_whole_number(option, text.substr(slash + 1), 1, most_parts);
   return {parse_whole_number(option, text.substr(0, slash), 1, parts), parts};
 }
+
+}  // namespace
 
 void add_part(Options& options, std::optional<PartOption>& part) {
   options.add(

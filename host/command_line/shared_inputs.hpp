@@ -82,9 +82,6 @@ struct PartOption {
   std::uint64_t parts;
 };
 
-/// "3/8". Throws Error(input) for anything else.
-[[nodiscard]] PartOption parse_part(std::string_view option, const std::string& text);
-
 /// Adds --part.
 void add_part(Options& options, std::optional<PartOption>& part);
 

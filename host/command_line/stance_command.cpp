@@ -72,34 +72,33 @@ namespace {
 using namespace stance;
 
 constexpr const char* closing_words =
-    "Prints enclosures of the wrench on the model's root (w1, w2, w3: forces; w4, w5, w6: moments) over the box of "
-    "the\n"
-    "uncertain parameters; the others are at their nominal values. What is asked for besides follows. Printed digits\n"
-    "are rounded outward. The model's format: docs/stance.md.\n"
-    "\n"
-    "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
-    "legs hanging, unless they are asked for in contact or standing: then the ground presses on the body at rest. In\n"
-    "--equilibrium forces balance on the cylinders, at rest: whether the body stays there or topples is what\n"
-    "--stability says. In --simulate all of it acts, and the body moves in its sagittal plane. --bounce drops\n"
-    "one cylinder alone, with nobody standing on it. Each result says below it what acts in it, what does not, and\n"
-    "which parameters have no effect on it.\n"
-    "\n"
-    "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed;\n"
-    "2 bad usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to have an\n"
-    "equilibrium, or to be stable, or the motion is open before its end, or a cell of --report differs; 130\n"
-    "interrupted by Ctrl-C, with what was proven so far.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq stance stance.xml --monte-carlo 1000000\n"
-    "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
-    "  verisq stance stance.xml --accelerations --monte-carlo 100000\n"
-    "  verisq stance standing.xml --accelerations standing\n"
-    "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
-    "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
-    "  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg\n"
-    "  verisq stance standing.xml --uncertain mp,px --within 1 --equilibrium held --stability held --simulate 0.5\n"
-    "    --report standing.html\n"
-    "  verisq stance stance.xml --report";
+    R"(Prints enclosures of the wrench on the model's root (w1, w2, w3: forces; w4, w5, w6: moments) over the box of the
+uncertain parameters; the others are at their nominal values. What is asked for besides follows. Printed digits
+are rounded outward. The model's format: docs/stance.md.
+
+The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,
+legs hanging, unless they are asked for in contact or standing: then the ground presses on the body at rest. In
+--equilibrium forces balance on the cylinders, at rest: whether the body stays there or topples is what
+--stability says. In --simulate all of it acts, and the body moves in its sagittal plane. --bounce drops
+one cylinder alone, with nobody standing on it. Each result says below it what acts in it, what does not, and
+which parameters have no effect on it.
+
+Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed;
+2 bad usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to have an
+equilibrium, or to be stable, or the motion is open before its end, or a cell of --report differs; 130
+interrupted by Ctrl-C, with what was proven so far.
+
+Examples:
+  verisq stance stance.xml --monte-carlo 1000000
+  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities
+  verisq stance stance.xml --accelerations --monte-carlo 100000
+  verisq stance standing.xml --accelerations standing
+  verisq stance standing.xml --uncertain mp,px --equilibrium held
+  verisq stance standing.xml --uncertain mp,px --within 1 --stability held
+  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg
+  verisq stance standing.xml --uncertain mp,px --within 1 --equilibrium held --stability held --simulate 0.5
+    --report standing.html
+  verisq stance stance.xml --report)";
 
 constexpr double default_drop_height = 0.01;  // m
 constexpr std::uint32_t most_cells = 4096;
@@ -413,10 +412,6 @@ bool all_proven(const StanceSummary& summary) {
          (!summary.stability || summary.stability->stable == 1.0) && (!summary.motion || summary.motion->proven) &&
          (!summary.bounce || is_proven(*summary.bounce));
 }
-
-}  // namespace
-
-namespace {
 
 void declare_simulation(Options& options, StanceArguments& arguments) {
   options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",

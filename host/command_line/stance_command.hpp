@@ -83,8 +83,6 @@ void write_stance_page(const std::string& file, const StanceSummary& summary);
 /// that instead, and writes no file.
 void certify_equilibrium(const std::string& file, StanceSummary& summary, bool no_progress);
 
-// `verisq stance`: enclosures of wrench, sensitivities and accelerations of a stance model with uncertain parameters.
-
 /// As typed; `run_stance` checks what depends on the file or on several options.
 struct StanceArguments {
   std::string model;

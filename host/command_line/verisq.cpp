@@ -31,15 +31,13 @@
 #include "host/threads/background_work.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // `verisq devices`: every OpenCL device, with the outcome of its self-test; `--report` measures their accuracy.
 
 struct DevicesArguments {
   bool report = false;
 };
-
-void declare_devices(Options& options, DevicesArguments& arguments);
-[[nodiscard]] ExitStatus run_devices(const DevicesArguments& arguments);
 
 // An OpenCL driver that ends the process: the command starts again without OpenCL devices.
 
@@ -64,14 +62,6 @@ class DriverCrashWatch {
 struct SurfaceProgramArguments {
   std::vector<std::string> all;  ///< the words after the command
 };
-
-void declare_surface_program(Options& options, SurfaceProgramArguments& arguments);
-
-/// Never returns: the process becomes the other program. Throws Error(input) where that does not lie in the folder of
-/// the running program, Error(failure) where it does not start.
-ExitStatus run_surface_program(const SurfaceProgramArguments& arguments);
-
-namespace {
 
 constexpr const char* closing_words_of_devices =
     "The self-test runs the device's arithmetic against the host's, rounding error by rounding error. `--device` of\n"
@@ -196,8 +186,6 @@ ExitStatus print_report(const std::vector<DeviceReport>& devices) {
   return count == 0 ? ExitStatus::verified : ExitStatus::failed;
 }
 
-}  // namespace
-
 void declare_devices(Options& options, DevicesArguments& arguments) {
   options.explain(closing_words_of_devices);
   options.add_flag("--report", arguments.report, "Measure instead how tight every directed operation is, in ulp");
@@ -214,8 +202,6 @@ ExitStatus run_devices(const DevicesArguments& arguments) {
 Command devices_command() {
   return command("devices", "List every OpenCL device and the outcome of its self-test", declare_devices, run_devices);
 }
-
-namespace {
 
 // The loaders of OpenCL look for drivers in this folder; this file holds none.
 constexpr std::string_view drivers = "OCL_ICD_VENDORS=";
@@ -325,8 +311,6 @@ void take_signals_and_exits() {
   [[maybe_unused]] static const int registered = std::atexit(handle_exit);
 }
 
-}  // namespace
-
 DriverCrashWatch::DriverCrashWatch(int argc, char** argv) {
   static const Restart made = restart(argc, argv);
   prepared = &made;
@@ -342,6 +326,8 @@ void declare_surface_program(Options& options, SurfaceProgramArguments& argument
   options.take_all(arguments.all);
 }
 
+/// Never returns: the process becomes the other program. Throws Error(input) where that does not lie in the folder of
+/// the running program, Error(failure) where it does not start.
 ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "verisq-surface";
   std::vector<std::string> words{name_of_caller, "surface"};
@@ -362,13 +348,11 @@ Command surface_command() {
   return command("surface", surface_description, declare_surface_program, run_surface_program);
 }
 
-namespace {
-
 constexpr const char* closing_words_of_program =
-    "Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,\n"
-    "some enclosures wide (check: not proved), 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP. These three\n"
-    "keep what is finished; a run that is killed leaves the finished rows of a .csv under OUT.*.partial.\n"
-    "`verisq COMMAND --help` explains a command.";
+    R"(Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,
+some enclosures wide (check: not proved), 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP. These three
+keep what is finished; a run that is killed leaves the finished rows of a .csv under OUT.*.partial.
+`verisq COMMAND --help` explains a command.)";
 
 /// The demo's program has those that map, and is linked with nothing that the others need; `verisq` has all.
 std::vector<Command> commands() {
@@ -382,7 +366,6 @@ std::vector<Command> commands() {
 }
 
 }  // namespace
-
 }  // namespace verisq::command_line
 
 int main(int argc, char** argv) {

@@ -15,7 +15,6 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 #include <vector>
 #include <verisq/device.hpp>
 #include <verisq/error.hpp>
@@ -36,6 +35,7 @@
 #include "host/mpi/shared_map.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // A command that all ranks of an MPI job run together.
 
@@ -65,25 +65,7 @@ struct SharedRowsArguments {
   bool json = false;
 };
 
-/// Adds --device, --device-of-rank, -o, --resume, --json.
-void declare_shared_rows(Options& options, SharedRowsArguments& arguments);
-
-/// The device on which this rank computes.
-[[nodiscard]] std::string device_of(const SharedRowsArguments& arguments, const mpi::Session& session);
-
-/// "tolerance" and "format".
-[[nodiscard]] std::vector<PartSetting> settings_of(const SharedRowsArguments& arguments, double tolerance);
-
-/// Makes all ranks compute the rows; rank 0 prints the summary. Like `mpi::shared_map`.
-ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMapRequest& request, double tolerance,
-                      const mpi::Session& session, const mpi::RangeMap& map);
-
 // `verisq-mpi batch`: the cases of a cohort by all ranks of an MPI job.
-
-void declare_shared_batch(Options& options, BatchArguments& arguments);
-
-/// Called by all ranks. Throws Error(input) for the manifest alone.
-ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session& session);
 
 // `verisq-mpi map`: one map by all ranks of an MPI job.
 
@@ -129,8 +111,6 @@ ExitStatus run_guarded(const mpi::Session& session, const std::function<ExitStat
   }
 }
 
-namespace {
-
 void print(const mpi::SharedMapResult& result, const SharedRowsArguments& arguments, const mpi::Session& session,
            double tolerance, double seconds) {
   const MapSummary& summary = result.summary;
@@ -165,8 +145,7 @@ void print(const mpi::SharedMapResult& result, const SharedRowsArguments& argume
   fmt::print("map                {}\n", quotation(arguments.output));
 }
 
-}  // namespace
-
+/// Adds --device, --device-of-rank, -o, --resume, --json.
 void declare_shared_rows(Options& options, SharedRowsArguments& arguments) {
   options.add("--device", arguments.device, "DEVICE", "As of `verisq map`, on every rank");
   options.add_flag("--device-of-rank", arguments.device_of_rank,
@@ -176,17 +155,20 @@ void declare_shared_rows(Options& options, SharedRowsArguments& arguments) {
   options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
 }
 
+/// The device on which this rank computes.
 std::string device_of(const SharedRowsArguments& arguments, const mpi::Session& session) {
   if (!arguments.device_of_rank) return arguments.device;
   const std::size_t devices = test_devices().size();
   return devices == 0 ? "host" : std::to_string(static_cast<std::size_t>(session.local_rank()) % devices);
 }
 
+/// "tolerance" and "format".
 std::vector<PartSetting> settings_of(const SharedRowsArguments& arguments, double tolerance) {
   return {{"tolerance", fmt::format("{}", tolerance)},
           {"format", std::filesystem::path(arguments.output).extension().string()}};
 }
 
+/// Makes all ranks compute the rows; rank 0 prints the summary. Like `mpi::shared_map`.
 ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMapRequest& request, double tolerance,
                       const mpi::Session& session, const mpi::RangeMap& map) {
   const Stopwatch time;
@@ -208,20 +190,16 @@ ExitStatus share_rows(const SharedRowsArguments& arguments, const mpi::SharedMap
   return result.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
 
-namespace {
+constexpr const char* closing_words_of_batch = R"(The manifest, and what DIR gets, are those of `verisq batch`:
+  mpirun -n 16 verisq-mpi batch cohort.csv -o cohort
+A rank runs one case at a time, of any command, by the program verisq that lies beside this one; ranks take cases
+from a counter, so that none waits for another. DIR and the files of the cases have to be on a file system that
+all ranks see. A case takes the processors, and the devices, that its rank may use: let the queue bind them
+(srun --gpus-per-task=1; mpirun --map-by node:PE=8). The tables are those of one process.
+Where a rank dies, MPI ends the job; the same command once more, with any number of ranks or by `verisq batch`,
+takes over what is finished.
 
-constexpr const char* closing_words_of_batch =
-    "The manifest, and what DIR gets, are those of `verisq batch`:\n"
-    "  mpirun -n 16 verisq-mpi batch cohort.csv -o cohort\n"
-    "A rank runs one case at a time, of any command, by the program verisq that lies beside this one; ranks take "
-    "cases\n"
-    "from a counter, so that none waits for another. DIR and the files of the cases have to be on a file system that\n"
-    "all ranks see. A case takes the processors, and the devices, that its rank may use: let the queue bind them\n"
-    "(srun --gpus-per-task=1; mpirun --map-by node:PE=8). The tables are those of one process.\n"
-    "Where a rank dies, MPI ends the job; the same command once more, with any number of ranks or by `verisq batch`,\n"
-    "takes over what is finished.\n"
-    "\n"
-    "Exit status: that of `verisq batch`.";
+Exit status: that of `verisq batch`.)";
 
 std::filesystem::path program_beside_this_one() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "verisq";
@@ -273,13 +251,12 @@ BatchRun run_own(const BatchArguments& arguments, const std::vector<BatchCase>& 
                    {.jobs = 1, .program = program_beside_this_one(), .next = next, .progress = show});
 }
 
-}  // namespace
-
 void declare_shared_batch(Options& options, BatchArguments& arguments) {
   options.explain(closing_words_of_batch);
   declare_cohort(options, arguments);
 }
 
+/// Called by all ranks. Throws Error(input) for the manifest alone.
 ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session& session) {
   const std::vector<BatchCase> cases = read_manifest(arguments.manifest);
   if (const auto program = program_beside_this_one(); !std::filesystem::exists(program))
@@ -292,18 +269,18 @@ ExitStatus run_shared_batch(const BatchArguments& arguments, const mpi::Session&
   return status[0];
 }
 
+}  // namespace
 }  // namespace verisq::command_line
 
 namespace {
 
-constexpr const char* closing_words_of_program =
-    "Run it by mpirun or srun:\n"
-    "  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy\n"
-    "  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy\n"
-    "  mpirun -n 64 verisq-mpi batch cohort.csv -o cohort\n"
-    "A batch shares cases of any command: fits, recoveries, whatever `verisq batch` runs.\n"
-    "Exit status: that of the command of `verisq`.\n"
-    "`verisq-mpi COMMAND --help` explains a command.";
+constexpr const char* closing_words_of_program = R"(Run it by mpirun or srun:
+  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy
+  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy
+  mpirun -n 64 verisq-mpi batch cohort.csv -o cohort
+A batch shares cases of any command: fits, recoveries, whatever `verisq batch` runs.
+Exit status: that of the command of `verisq`.
+`verisq-mpi COMMAND --help` explains a command.)";
 
 }  // namespace
 
@@ -328,16 +305,15 @@ int main(int argc, char** argv) {
 namespace verisq::command_line {
 namespace {
 
-constexpr const char* closing_words_of_map =
-    "The options are those of `verisq map`:\n"
-    "  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy\n"
-    "The file has the bytes that `verisq map` writes on the same kind of device, whatever the number of ranks. Ranks\n"
-    "take chunks of whole blocks of rows from a counter, and write them where they belong by MPI-IO. Beside OUT are,\n"
-    "while it runs, OUT.rows, OUT.chunks and OUT.job: where a rank dies, MPI ends the job, and the same command with\n"
-    "--resume, on as many ranks as there are then, makes what is not finished yet.\n"
-    "\n"
-    "Exit status: that of `verisq map`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage\n"
-    "or input.";
+constexpr const char* closing_words_of_map = R"(The options are those of `verisq map`:
+  mpirun -n 64 verisq-mpi map --model stem.json --points samples.npy -o distances.npy
+The file has the bytes that `verisq map` writes on the same kind of device, whatever the number of ranks. Ranks
+take chunks of whole blocks of rows from a counter, and write them where they belong by MPI-IO. Beside OUT are,
+while it runs, OUT.rows, OUT.chunks and OUT.job: where a rank dies, MPI ends the job, and the same command with
+--resume, on as many ranks as there are then, makes what is not finished yet.
+
+Exit status: that of `verisq map`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage
+or input.)";
 
 void check_usage(const SharedMapArguments& arguments) {
   check_usage(arguments.inputs);
@@ -399,8 +375,6 @@ ExitStatus map_all(const SharedMapArguments& arguments, const mpi::Session& sess
   return share_rows(arguments.rows, request, options.tolerance, session, map);
 }
 
-}  // namespace
-
 void declare_shared_map(Options& options, SharedMapArguments& arguments) {
   options.explain(closing_words_of_map);
   declare_inputs(options, arguments.inputs);
@@ -420,18 +394,15 @@ ExitStatus run_shared_map(const SharedMapArguments& arguments, const mpi::Sessio
   return map_all<PointStream>(arguments, session);
 }
 
-namespace {
+constexpr const char* closing_words_of_insert = R"(The options are those of `verisq insert`:
+  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy
+Each row is [lo, hi], which contains the smallest signed distance from the vertex to the implant along the whole
+way: the bytes that `verisq insert` writes on the same kind of device, whatever the number of ranks, which share
+blocks of 1,024 vertices. --resume and the files beside OUT: see `verisq-mpi map --help`. Volumes, and ways that
+are searched, are those of one process, or of a `verisq-mpi batch`.
 
-constexpr const char* closing_words_of_insert =
-    "The options are those of `verisq insert`:\n"
-    "  mpirun -n 64 verisq-mpi insert --implant stem.json --mesh femur.ply --along 0,0,-1 --length 100 -o way.npy\n"
-    "Each row is [lo, hi], which contains the smallest signed distance from the vertex to the implant along the whole\n"
-    "way: the bytes that `verisq insert` writes on the same kind of device, whatever the number of ranks, which share\n"
-    "blocks of 1,024 vertices. --resume and the files beside OUT: see `verisq-mpi map --help`. Volumes, and ways that\n"
-    "are searched, are those of one process, or of a `verisq-mpi batch`.\n"
-    "\n"
-    "Exit status: that of `verisq insert`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad\n"
-    "usage or input.";
+Exit status: that of `verisq insert`: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad
+usage or input.)";
 
 void check_usage(const SharedInsertArguments& arguments) {
   check_usage(arguments.inputs);
@@ -447,8 +418,6 @@ std::vector<PartSetting> settings_of(const SharedInsertArguments& arguments, dou
   for (const Pose& pose : path) settings.push_back({"way", option_text(pose)});
   return settings;
 }
-
-}  // namespace
 
 void declare_shared_insert(Options& options, SharedInsertArguments& arguments) {
   options.explain(closing_words_of_insert);
@@ -478,4 +447,5 @@ ExitStatus run_shared_insert(const SharedInsertArguments& arguments, const mpi::
   return share_rows(arguments.rows, request, tolerance, session, map);
 }
 
+}  // namespace
 }  // namespace verisq::command_line

@@ -26,6 +26,7 @@
 #include "verify/numbers/points.hpp"
 
 namespace verisq::command_line {
+namespace {
 
 // The surface of a label of a volume that a command is given.
 
@@ -37,18 +38,7 @@ struct LabelInput {
   LabelSurface surface;  ///< its triangles are small against the voxels
 };
 
-/// Throws Error(input), which names the labels of the file where `label` is not one of them or is missing, and there
-/// are several; and where `space` is asked for of a file that does not say which one it is in. Without it: LPS.
-[[nodiscard]] LabelInput read_label(const std::string& name, std::optional<std::uint16_t> label,
-                                    std::optional<AnatomicalSpace> space);
-
 // Options that say how thick a cortex is: --thickness, once or by heights, --axis.
-
-/// The thickness from `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the
-/// name of a landmark that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its
-/// proximal end, if they name both, else along z. Ascending, whatever their order. Throws Error(input).
-[[nodiscard]] CorticalThickness thickness_of(const std::vector<std::string>& texts, const std::optional<Point>& axis,
-                                             const FemurLandmarks& landmarks);
 
 // The summary of a prepared surface on the standard output: for people, or as one JSON object.
 
@@ -62,11 +52,6 @@ struct SurfaceReport {
   std::string output;             ///< the file
   double seconds;
 };
-
-[[nodiscard]] std::string readable(const SurfaceReport& report);
-
-/// One line.
-[[nodiscard]] std::string json(const SurfaceReport& report);
 
 // `verisq surface`, which is the program `verisq-surface`: a closed oriented surface from a point cloud, a damaged
 // mesh or a label of a volume, and the canal within one.
@@ -95,13 +80,6 @@ struct SurfaceArguments {
   bool no_progress = false;
 };
 
-void declare_surface(Options& options, SurfaceArguments& arguments);
-
-/// Throws Error(input) for whatever the user can correct.
-ExitStatus run_surface(const SurfaceArguments& arguments);
-
-namespace {
-
 /// "1 (250 voxels), 2 (17 voxels)".
 std::string listed(const std::vector<LabelCount>& labels) {
   constexpr std::size_t most = 20;
@@ -122,8 +100,8 @@ std::uint16_t chosen(const std::string& volume, const std::vector<LabelCount>& l
   return *label;
 }
 
-}  // namespace
-
+/// Throws Error(input), which names the labels of the file where `label` is not one of them or is missing, and there
+/// are several; and where `space` is asked for of a file that does not say which one it is in. Without it: LPS.
 LabelInput read_label(const std::string& name, std::optional<std::uint16_t> label,
                       std::optional<AnatomicalSpace> space) {
   LabelVolume volume = read_label_volume(name);
@@ -140,8 +118,6 @@ LabelInput read_label(const std::string& name, std::optional<std::uint16_t> labe
           .voxel_lengths = lengths,
           .surface = label_surface(volume, one)};
 }
-
-namespace {
 
 constexpr std::string_view option = "--thickness";
 
@@ -166,8 +142,9 @@ double height_of(const std::string& at, const std::string& text, const Point& ax
   refuse(fmt::format("{}: {}: --landmarks has no {}", option, text, at));
 }
 
-}  // namespace
-
+/// The thickness from `texts`, at least one: "T" alone, or several "AT,T", where AT is a height along `axis` or the
+/// name of a landmark that has one. Without `axis` heights are along the landmarks' shaft, from its distal to its
+/// proximal end, if they name both, else along z. Ascending, whatever their order. Throws Error(input).
 CorticalThickness thickness_of(const std::vector<std::string>& texts, const std::optional<Point>& axis,
                                const FemurLandmarks& landmarks) {
   CorticalThickness thickness{.at = {}, .axis = axis_of(axis, landmarks)};
@@ -184,8 +161,6 @@ CorticalThickness thickness_of(const std::vector<std::string>& texts, const std:
   if (twice != thickness.at.end()) refuse(fmt::format("{}: height {} is given twice", option, twice->height));
   return thickness;
 }
-
-namespace {
 
 const char* name(SurfaceMethod method) {
   switch (method) {
@@ -252,8 +227,6 @@ const char* word(Facing facing) {
   return facing == Facing::inward ? "inward" : "outward";
 }
 
-}  // namespace
-
 std::string readable(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
   std::string text = how_made(report);
@@ -279,6 +252,7 @@ std::string readable(const SurfaceReport& report) {
   return text;
 }
 
+/// One line.
 std::string json(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
   const LabelInput* const label = report.label;
@@ -323,44 +297,38 @@ std::string json(const SurfaceReport& report) {
   return object.text() + "\n";
 }
 
-namespace {
+constexpr const char* closing_words = R"(Points become a surface by one of two methods:
+  wrap   (default) an alpha wrap: around the points, or around a mesh's triangles in whatever state they are. It
+         keeps a small distance, the offset, from them.
+  alpha  an alpha shape: through the points themselves. Its largest component, without voids inside; tetrahedra
+         are added where it would be no manifold.
+Both carve space away by balls of the radius --alpha. The smaller, the more detail; but it must exceed the gaps
+between points, or the balls break in, and the volume printed collapses. Left out, it is chosen: of alpha shapes
+the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they
+break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.
 
-constexpr const char* closing_words =
-    "Points become a surface by one of two methods:\n"
-    "  wrap   (default) an alpha wrap: around the points, or around a mesh's triangles in whatever state they are. It\n"
-    "         keeps a small distance, the offset, from them.\n"
-    "  alpha  an alpha shape: through the points themselves. Its largest component, without voids inside; tetrahedra\n"
-    "         are added where it would be no manifold.\n"
-    "Both carve space away by balls of the radius --alpha. The smaller, the more detail; but it must exceed the gaps\n"
-    "between points, or the balls break in, and the volume printed collapses. Left out, it is chosen: of alpha shapes\n"
-    "the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they\n"
-    "break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.\n"
-    "\n"
-    "A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7\n"
-    "voxels, is a half; its triangles are then made of about equal sides and smoothed. Its coordinates are in LPS (x "
-    "to\n"
-    "the patient's left, y to the back) like meshes that 3D Slicer exports, or with --space ras in RAS. It is an "
-    "input,\n"
-    "no proof: where the tissue ends nobody knows to less than about a voxel.\n"
-    "\n"
-    "With --thickness the result is the canal of the bone: all that lies farther inside than the cortex is thick, its\n"
-    "normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at\n"
-    "several heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient "
-    "has.\n"
-    "An open bone is closed over its rims, and there the canal has no cortex.\n"
-    "\n"
-    "The file is read again and checked: closed (or with --resection open there), manifold, consistently oriented;\n"
-    "self-intersections, the volume (negative where normals point inward), and the largest distance of an input point\n"
-    "or the thickness of the wall around the canal are reported, in floating point: no enclosures.\n"
-    "\n"
-    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented, with 90 % of the volume of a\n"
-    "label's voxels; 3 written, but not so; 2 bad usage or input.\n"
-    "\n"
-    "Examples:\n"
-    "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
-    "  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply\n"
-    "  verisq surface --volume femur.nrrd --label 2 --inward -o canal.ply\n"
-    "  verisq surface --mesh femur.stl --thickness -80,6 --thickness 20,2 --resection 0,0,40,0.5,0,1 -o canal.ply";
+A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7
+voxels, is a half; its triangles are then made of about equal sides and smoothed. Its coordinates are in LPS (x to
+the patient's left, y to the back) like meshes that 3D Slicer exports, or with --space ras in RAS. It is an input,
+no proof: where the tissue ends nobody knows to less than about a voxel.
+
+With --thickness the result is the canal of the bone: all that lies farther inside than the cortex is thick, its
+normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at
+several heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient has.
+An open bone is closed over its rims, and there the canal has no cortex.
+
+The file is read again and checked: closed (or with --resection open there), manifold, consistently oriented;
+self-intersections, the volume (negative where normals point inward), and the largest distance of an input point
+or the thickness of the wall around the canal are reported, in floating point: no enclosures.
+
+Exit status: 0 closed (with --resection but for one rim), manifold and oriented, with 90 % of the volume of a
+label's voxels; 3 written, but not so; 2 bad usage or input.
+
+Examples:
+  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply
+  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply
+  verisq surface --volume femur.nrrd --label 2 --inward -o canal.ply
+  verisq surface --mesh femur.stl --thickness -80,6 --thickness 20,2 --resection 0,0,40,0.5,0,1 -o canal.ply)";
 
 /// Smooths away the steps between voxels, which are longer than a Gaussian of less than a voxel reaches.
 constexpr int rounds_of_volumes = 20;
@@ -451,8 +419,6 @@ void explain(const SurfaceCheck& check, const SurfaceOptions& options, const std
   if (check.self_intersecting) tell(fmt::format("{} intersects itself", output));
 }
 
-}  // namespace
-
 void declare_surface(Options& options, SurfaceArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
@@ -495,8 +461,6 @@ void declare_surface(Options& options, SurfaceArguments& arguments) {
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
-
-namespace {
 
 /// The input prepared by the options, and the messages about it.
 struct Prepared {
@@ -572,8 +536,7 @@ bool is_as_asked(const SurfaceCheck& check, const SurfaceOptions& options) {
   return topology.manifold() && topology.oriented() && check.rims == 1;
 }
 
-}  // namespace
-
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_surface(const SurfaceArguments& arguments) {
   SurfaceOptions options = options_of(arguments);
   check_mesh_name(arguments.output);
@@ -611,6 +574,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
   return is_as_asked(check, options) && !hollowed_out ? ExitStatus::verified : ExitStatus::unverified;
 }
 
+}  // namespace
 }  // namespace verisq::command_line
 
 int main(int argc, char** argv) {

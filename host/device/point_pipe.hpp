@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 #include <verisq/map.hpp>
 #include <verisq/model.hpp>

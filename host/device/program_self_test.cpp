@@ -10,7 +10,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <span>
 #include <utility>
@@ -102,8 +101,7 @@ Point sample_point(const Primitive& primitive, std::size_t turn, Draws& draws) {
   return posed(bends ? bent(*primitive.bend, p) : p, primitive.pose);
 }
 
-}  // namespace
-
+/// Points on, near, inside, around and far from the model's primitives, which take turns.
 std::vector<Point> sample_points(const Model& model, std::size_t count) {
   Draws draws;
   std::vector<Point> points;
@@ -113,6 +111,8 @@ std::vector<Point> sample_points(const Model& model, std::size_t count) {
   return points;
 }
 
+}  // namespace
+
 std::vector<Enclosure> distances_by_host(const Model& model, std::span<const Point> points, double tolerance) {
   const SignedDistance distance(model);
   std::vector<Enclosure> found(points.size());
@@ -120,6 +120,9 @@ std::vector<Enclosure> distances_by_host(const Model& model, std::span<const Poi
   return found;
 }
 
+namespace {
+
+/// A convex solid of general shape and place, and another that overlaps it, in units of `unit`.
 Primitive sample_solid(double unit) {
   return {
       "", {{unit, 1.5 * unit, 0.6 * unit}, {0.4, 1.2}}, {{0.3 * unit, -0.1 * unit, 0.2 * unit}, {0.8, 0.1, 0.6, -0.2}}};
@@ -131,11 +134,10 @@ Primitive other_sample_solid(double unit) {
           {{-0.6 * unit, 0.9 * unit, 0.4 * unit}, {0.2, -0.5, 0.4, 1.0}}};
 }
 
+/// The union of the primitives.
 Model sample_model(std::vector<Primitive> primitives) {
   return {"", std::move(primitives), {}};
 }
-
-namespace {
 
 // Neither whole vectors nor many: the host proves each.
 constexpr std::size_t triangles_of_model = 67;

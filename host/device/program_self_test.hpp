@@ -1,7 +1,6 @@
 /// Compares the kernels of a program with the host on samples, once per program and device.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -21,9 +20,6 @@ namespace verisq::device {
 
 // Queries that kernels are sampled on, and the host's own answers: the same at every call.
 
-/// Points on, near, inside, around and far from the model's primitives, which take turns.
-[[nodiscard]] std::vector<Point> sample_points(const Model& model, std::size_t count);
-
 /// The host's enclosure of each point's signed distance, searched to the tolerance in model units.
 [[nodiscard]] std::vector<Enclosure> distances_by_host(const Model& model, std::span<const Point> points,
                                                        double tolerance);
@@ -37,13 +33,6 @@ namespace verisq::device {
   in_parallel(poses.size(), [&](std::size_t n) { found[n] = distance(poses[n]).distance; });
   return found;
 }
-
-/// A convex solid of general shape and place, and another that overlaps it, in units of `unit`.
-[[nodiscard]] Primitive sample_solid(double unit);
-[[nodiscard]] Primitive other_sample_solid(double unit);
-
-/// The union of the primitives.
-[[nodiscard]] Model sample_model(std::vector<Primitive> primitives);
 
 // The kernels of triangles and of poses on samples, in the batches that maps send them through.
 
@@ -75,8 +64,6 @@ namespace verisq::device {
 
 /// Identifies the samples: models of one program may differ in whether primitives are bent or tapered.
 [[nodiscard]] std::string samples_of_solid(const Model& model);
-
-// Compares the kernels of a program with the host on samples, once per program and device.
 
 /// Returns if `first_fault`, which tries the kernels of `program` on samples, returns an empty text; otherwise throws
 /// RefusedDevice with its text. The cache keeps the outcome by the device, its driver, the program and `samples`, which

@@ -166,7 +166,6 @@ struct DirectedBatch {
   std::unique_ptr<Batch<Point>> points;
   std::shared_ptr<const std::vector<Point>> directions;
 };
-[[nodiscard]] DirectedBatch directed_solid_batch(const Device& device, const Model& model, double tolerance);
 
 // Triangles in, distances to a model with bends or set operations out.
 

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -271,14 +270,14 @@ std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const SolidProgr
   return batch_of(device, programs, model, tolerance, nullptr);
 }
 
+namespace {
+
 DirectedBatch directed_solid_batch(const Device& device, const Model& model, double tolerance) {
   const auto directions = std::make_shared<std::vector<Point>>();
   DirectedBatch batch{nullptr, directions};
   batch.points = batch_of(device, tried_programs(device, model), model, tolerance, directions);
   return batch;
 }
-
-namespace {
 
 using verify::TriangleBranchAndBound;
 using Answer = TriangleBranchAndBound::Answer;

@@ -267,9 +267,9 @@ JudgedAnswer judge(const FeaturesAnswer& answer) {
   return judged;
 }
 
-// The files that answers are about.
-
 namespace {
+
+// The files that answers are about.
 
 void refuse_other_digest(const std::string& digest, const std::filesystem::path& file, const char* what,
                          const SubjectFile& expected, const std::string& name) {
@@ -550,10 +550,6 @@ JudgedAnswer Judge::operator()(const InsertionAnswer& answer) const {
   if (answer.removed) claims.push_back(judged_removal(answer, implant, bone));
   return ended(std::move(claims));
 }
-
-}  // namespace
-
-namespace {
 
 /// A file that the answer does not need would seem to be proven something about.
 void refuse_needless_files(const Answer& answer, const std::string& name, const AnswerFiles& files) {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <verisq/error.hpp>
 #include <verisq/files.hpp>
 
 #include "host/files/input_file.hpp"

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -150,10 +148,7 @@ class MapWriter::Format {
 MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents, MapElements elements)
     : MapWriter(path, mesh, MapForm{.contents = contents, .elements = elements}) {}
 MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh, const MapForm& form)
-    : format_(std::make_unique<Format>(path, mesh, form)) {}
-MapWriter::~MapWriter() = default;
-MapWriter::MapWriter(MapWriter&&) noexcept = default;
-MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
+    : format_(hidden<Format>(path, mesh, form)) {}
 
 void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results,
                        std::span<const Certificate> certificates) {

@@ -13,7 +13,6 @@
 #include <utility>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/version.hpp>
 
 #include "host/errors/refusal.hpp"
 #include "host/files/certificate_archive.hpp"
@@ -24,10 +23,6 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
-
-/// The whole file. `sources` are the pieces, relative to it; `closest_points`: whether they have closest points.
-[[nodiscard]] std::string pvtp_document(std::span<const std::string> sources, bool closest_points);
-
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
@@ -237,8 +232,7 @@ std::string results(bool closest_points) {
   return text + array("Int32", "primitive", 1);
 }
 
-}  // namespace
-
+/// The whole file. `sources` are the pieces, relative to it; `closest_points`: whether they have closest points.
 std::string pvtp_document(std::span<const std::string> sources, bool closest_points) {
   std::string text =
       "<?xml version=\"1.0\"?>\n"
@@ -250,8 +244,6 @@ std::string pvtp_document(std::span<const std::string> sources, bool closest_poi
   for (const std::string& source : sources) text += fmt::format("    <Piece Source=\"{}\"/>\n", in_attribute(source));
   return text + "  </PPolyData>\n</VTKFile>\n";
 }
-
-namespace {
 
 struct GivenPart {
   std::filesystem::path path;

@@ -74,13 +74,10 @@ class MapReader::Format {
   std::unique_ptr<MapRows> rows_;
 };
 
-MapReader::MapReader(const std::filesystem::path& path) try : format_(std::make_unique<Format>(path)) {
+MapReader::MapReader(const std::filesystem::path& path) try : format_(hidden<Format>(path)) {
 } catch (const std::bad_alloc&) {
   throw Error(ErrorKind::failure, fmt::format("{}: not enough memory for this map", path.string()));
 }
-MapReader::~MapReader() = default;
-MapReader::MapReader(MapReader&&) noexcept = default;
-MapReader& MapReader::operator=(MapReader&&) noexcept = default;
 
 MapElements MapReader::elements() const {
   return format_->rows().elements();

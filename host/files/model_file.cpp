@@ -57,8 +57,8 @@ AreaBox read_area_box(const JsonValue& value) {
   return area;
 }
 
-}  // namespace
-
+/// [{"name": "proximal", "weight": 3, "box": [[x0, y0, z0], [x1, y1, z1]]}, ...]. Throws Error(input) for empty,
+/// repeated and reserved names, negative weights and reversed corners.
 std::vector<AreaBox> read_area_boxes(const JsonValue& areas) {
   std::vector<AreaBox> boxes;
   std::set<std::string> names;
@@ -69,8 +69,6 @@ std::vector<AreaBox> read_area_boxes(const JsonValue& areas) {
   }
   return boxes;
 }
-
-namespace {
 
 Point coordinates(const JsonValue& value) {
   if (value.size() != 3) value.fail("must be an array of 3 numbers");

@@ -20,10 +20,6 @@ namespace verisq {
 /// The name for everything outside of the areas: no area of a file may have it.
 inline constexpr std::string_view elsewhere = "elsewhere";
 
-/// [{"name": "proximal", "weight": 3, "box": [[x0, y0, z0], [x1, y1, z1]]}, ...]. Throws Error(input) for empty,
-/// repeated and reserved names, negative weights and reversed corners.
-[[nodiscard]] std::vector<AreaBox> read_area_boxes(const JsonValue& areas);
-
 // The points of a femur by their names, in landmark files and in model files alike.
 
 /// {"head_centre": [x, y, z], ...}, any of `named_landmarks`. Throws Error(input) for other keys and values.

@@ -12,7 +12,6 @@
 #include <limits>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <verisq/error.hpp>
 #include <verisq/octree.hpp>
 

@@ -1,7 +1,6 @@
 /// PLY (Stanford), ASCII and binary of both byte orders: elements `vertex` and `face`; others are read past.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
+namespace {
 
 enum class PlyEncoding { ascii, little_endian, big_endian };
 
@@ -43,11 +43,6 @@ struct PlyHeader {
   PlyEncoding encoding;
   std::vector<PlyElement> elements;  ///< distinct names, in the order of the file
 };
-
-/// Reads up to and with the line `end_header`. Throws Error(input) with the line of the error.
-[[nodiscard]] PlyHeader read_ply_header(InputFile& file);
-
-namespace {
 
 struct TypeName {
   std::string_view name;
@@ -138,14 +133,13 @@ void check_elements(const InputFile& file, const PlyHeader& header) {
   }
 }
 
-}  // namespace
-
 std::optional<std::size_t> PlyElement::find(std::string_view property) const {
   const auto found = positions.find(property);
   if (found == positions.end()) return std::nullopt;
   return found->second;
 }
 
+/// Reads up to and with the line `end_header`. Throws Error(input) with the line of the error.
 PlyHeader read_ply_header(InputFile& file) {
   if (const auto magic = file.next_line(); !magic || trimmed(*magic) != "ply")
     file.fail("not a PLY file: the first line must be 'ply'");
@@ -168,8 +162,6 @@ PlyHeader read_ply_header(InputFile& file) {
     }
   }
 }
-
-namespace {
 
 /// One row a line, values as decimal text.
 class AsciiRows {

@@ -21,6 +21,7 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
+namespace {
 
 /// Has the members of `PointFile`.
 class PointSource {
@@ -40,13 +41,6 @@ class PointSource {
   [[nodiscard]] virtual std::optional<std::uint64_t> count() const { return std::nullopt; }
 };
 
-[[nodiscard]] std::unique_ptr<PointSource> text_points(InputFile file);
-
-/// `path` is that of the file; empty for the standard input.
-[[nodiscard]] std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::path& path);
-
-namespace {
-
 static_assert(sizeof(Point) == 3 * sizeof(double));
 
 class TextPoints final : public PointSource {
@@ -64,13 +58,9 @@ class TextPoints final : public PointSource {
   NumberRows rows_;
 };
 
-}  // namespace
-
 std::unique_ptr<PointSource> text_points(InputFile file) {
   return std::make_unique<TextPoints>(std::move(file));
 }
-
-namespace {
 
 constexpr std::array<std::string_view, 3> coordinate_names{"x", "y", "z"};
 
@@ -261,8 +251,7 @@ class PointsInFortranOrder final : public NpyPoints {
   std::vector<Numbers> columns_;
 };
 
-}  // namespace
-
+/// `path` is that of the file; empty for the standard input.
 std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::path& path) {
   const NpyHeader header = read_npy_header(file);
   const CoordinateType type = type_of(file, header);
@@ -273,8 +262,6 @@ std::unique_ptr<PointSource> npy_points(InputFile file, const std::filesystem::p
   }
   return std::make_unique<PointsInFortranOrder>(file, path, type, count);
 }
-
-namespace {
 
 std::unique_ptr<PointSource> open_points(const std::filesystem::path& path) {
   const bool from_standard_input = path == "-";
@@ -293,9 +280,6 @@ struct PointFile::State {
 };
 
 PointFile::PointFile(const std::filesystem::path& path) : state_(new State{path, open_points(path)}) {}
-PointFile::~PointFile() = default;
-PointFile::PointFile(PointFile&&) noexcept = default;
-PointFile& PointFile::operator=(PointFile&&) noexcept = default;
 
 std::size_t PointFile::read(std::span<Point> points) {
   const std::size_t count = state_->source->read(points);
@@ -351,9 +335,6 @@ std::optional<Pose> PoseFile::State::next_pose() {
 PoseFile::PoseFile(const std::filesystem::path& path)
     : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {
 }
-PoseFile::~PoseFile() = default;
-PoseFile::PoseFile(PoseFile&&) noexcept = default;
-PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;
 
 std::size_t PoseFile::read(std::span<Pose> poses) {
   std::size_t count = 0;

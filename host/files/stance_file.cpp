@@ -16,6 +16,7 @@
 #include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
+namespace {
 
 /// Reads quantities in the order of the file. The first that names a parameter defines it; later ones that give its
 /// name alone share it.
@@ -26,8 +27,6 @@ class Quantities {
   /// which a deviation must have. Or parameter="NAME" alone. Fails if `allowed` refuses an end of the range, with
   /// `what` it must be.
   [[nodiscard]] Quantity read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what);
-  /// The same for any finite number.
-  [[nodiscard]] Quantity read(const XmlElement& element);
 
   /// Components x, y, z: each an attribute, which is exact, or a child that is a quantity.
   [[nodiscard]] QuantityVector read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
@@ -43,8 +42,6 @@ class Quantities {
 
   std::vector<Parameter> parameters_;
 };
-
-namespace {
 
 constexpr std::array axes{"x", "y", "z"};
 
@@ -112,8 +109,6 @@ std::string text_if_any(const XmlElement& element, const char* attribute) {
   return element.has(attribute) ? element.text(attribute) : "";
 }
 
-}  // namespace
-
 Quantity Quantities::read(const XmlElement& element, const std::function<bool(double)>& allowed, const char* what) {
   element.check_attributes({"parameter", "unit", "description", "value", "nominal", "deviation", "lower", "upper"});
   element.check_children({});
@@ -122,10 +117,6 @@ Quantity Quantities::read(const XmlElement& element, const std::function<bool(do
     if (!allowed(end)) element.fail(fmt::format("{} {}", end, what));
   }
   return quantity;
-}
-
-Quantity Quantities::read(const XmlElement& element) {
-  return read(element, any_number, "");
 }
 
 QuantityVector Quantities::read_vector(const XmlElement& element, const std::function<bool(double)>& allowed,
@@ -184,8 +175,6 @@ Quantity Quantities::define(const XmlElement& element, Quantity quantity) {
                          quantity.nominal, quantity.range});
   return quantity;
 }
-
-namespace {
 
 constexpr const char* must_be_positive = "must be positive";
 constexpr const char* must_not_be_negative = "must not be negative";

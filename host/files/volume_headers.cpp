@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "host/files/input_file.hpp"
 #include "host/files/label_volume.hpp"

@@ -1,7 +1,6 @@
 /// The parts of VTK's files: text among bytes, arrays of numbers in every encoding, points and cells.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>

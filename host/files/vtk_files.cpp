@@ -5,7 +5,6 @@
 #include <array>
 #include <concepts>
 #include <iterator>
-#include <numeric>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -328,11 +327,7 @@ struct OctreeWriter::State {
   std::optional<OctreeLayout> layout;  // once no cubes are appended any more
 };
 
-OctreeWriter::OctreeWriter(const std::filesystem::path& file, WhiteCubes white)
-    : state_(std::make_unique<State>(file, white)) {}
-OctreeWriter::~OctreeWriter() = default;
-OctreeWriter::OctreeWriter(OctreeWriter&&) noexcept = default;
-OctreeWriter& OctreeWriter::operator=(OctreeWriter&&) noexcept = default;
+OctreeWriter::OctreeWriter(const std::filesystem::path& file, WhiteCubes white) : state_(hidden<State>(file, white)) {}
 
 void OctreeWriter::append(std::span<const OctreeCube> cubes) {
   state_->layout.reset();

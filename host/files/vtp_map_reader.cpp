@@ -25,6 +25,7 @@
 #include "host/files/words.hpp"
 
 namespace verisq {
+namespace {
 
 // The XML part of a `.vtp` map: which arrays it declares and where their bytes lie.
 
@@ -99,8 +100,6 @@ struct MapPicture {
                                                              std::span<const double> hi) const;
 };
 
-namespace {
-
 constexpr const char* point_data = "PointData";
 constexpr const char* cell_data = "CellData";
 constexpr std::size_t longest_xml = std::size_t{1} << 20;  // the writer's is a few thousand bytes
@@ -117,8 +116,6 @@ std::string take_xml(InputFile& file) {
   (void)file.take(underscore + 1, "the XML part");
   return xml;
 }
-
-}  // namespace
 
 VtpDocument::VtpDocument(InputFile& file) : file_(file), text_(take_xml(file)) {
   const std::string_view xml = std::string_view(text_).substr(0, text_.size() - 1);
@@ -262,8 +259,6 @@ void VtpDocument::fail(pugi::xml_node element, std::string_view message) const {
   file_.fail_whole(fmt::format("byte {}: {}: {}", element.offset_debug(), in_quotes(element.name()), message));
 }
 
-namespace {
-
 std::string text(double number) {
   return fmt::format("{:.17g}", number);  // 17 significant digits give back the same binary64
 }
@@ -299,8 +294,6 @@ std::optional<MapDifference> first_difference(std::string_view name, std::span<c
   return std::nullopt;
 }
 
-}  // namespace
-
 std::optional<MapDifference> MapPicture::difference_from(const Mesh& mesh, MapElements elements,
                                                          std::span<const double> lo, std::span<const double> hi) const {
   const bool has_triangles = elements == MapElements::triangles || !mesh.triangles.empty();
@@ -325,8 +318,6 @@ std::optional<MapDifference> MapPicture::difference_from(const Mesh& mesh, MapEl
   }
   return first_difference<double>("dist_mid", middles, [&](std::size_t k) { return finite_middle(lo[k], hi[k]); });
 }
-
-namespace {
 
 using Weights = std::array<double, 2>;
 using Corners = std::array<std::int64_t, 3>;

@@ -1,7 +1,6 @@
 /// Strict reading of XML: every element knows its line, every attribute and child must be read, every number is finite.
 #pragma once
 
-#include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <pugixml.hpp>

@@ -9,11 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "host/device/device_model.hpp"
 #include "host/device/query_batches.hpp"
@@ -25,7 +23,7 @@
 #include "host/threads/parallel.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/search/certified_distance.hpp"
-#include "verify/search/fit_box_bound.hpp"
+#include "verify/search/displaced_point.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/triangle_pieces.hpp"
@@ -35,7 +33,6 @@
 #include "verisq/error.hpp"
 
 namespace verisq {
-
 namespace {
 
 /// The addresses of a column's values, from the lowest on.
@@ -336,8 +333,6 @@ class TriangleProver {
   verify::WitnessEstimate witness_distance_;
 };
 
-}  // namespace
-
 std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
   if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
   if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
@@ -347,8 +342,6 @@ std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOp
   return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
       TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
 }
-
-namespace {
 
 using verify::MemberBounds;
 

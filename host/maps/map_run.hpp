@@ -64,8 +64,6 @@ class ChunkPace {
   std::size_t smallest_ = 16;
 };
 
-// A map of any kind of query: source -> device (or host) -> host for open rows -> sink.
-
 /// The functions of the host that a map needs for one kind of query:
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
 ///     options are interrupted (which all threads may ask, see SeenInterruption) or out of time it ends early, valid
@@ -394,8 +392,6 @@ class ExactMap {
 /// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.
 [[nodiscard]] std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options);
 [[nodiscard]] std::unique_ptr<ExactMap<Point>> mesh_map(const Model& model, const MapOptions& options);
-[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options);
-[[nodiscard]] std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options);
 
 // A prover and, unless the host does all, a device made ready: a map of one kind of query.
 

@@ -93,12 +93,11 @@ class HostFront final : public OctreeFront {
   std::vector<OctreeCube> leaves_;
 };
 
-}  // namespace
-
 std::unique_ptr<OctreeFront> host_octree_front(const Model& model, const OctreeRoot& root) {
   return std::make_unique<HostFront>(model, root);
 }
 
+}  // namespace
 }  // namespace verisq
 
 namespace verisq::device {
@@ -343,8 +342,8 @@ bool contradicts(const Enclosure& of_centre, CubeColour colour, double half_widt
   return colour == CubeColour::black ? of_centre.lo > -half_width : of_centre.hi < half_width;
 }
 
-}  // namespace
-
+/// The first cube of the first levels whose colour contradicts the host's distance of its centre, or a message that far
+/// less of the root is decided than by the host. Empty if neither is found.
 std::string first_false_colour(OctreeFront& front, const Model& model, const OctreeRoot& root) {
   std::vector<OctreeCube> cubes = first_cubes(front);
   if (share_of_root(cubes, false) != 1.0) return "the cubes of the first levels are not all of the root";
@@ -365,6 +364,8 @@ std::string first_false_colour(OctreeFront& front, const Model& model, const Oct
   }
   return {};
 }
+
+}  // namespace
 
 std::unique_ptr<OctreeFront> octree_front(const Device& device, const Model& model, const OctreeRoot& root,
                                           const std::string& extra_options) {
@@ -437,11 +438,8 @@ struct OctreeBuilder::State {
 OctreeBuilder::OctreeBuilder(const Model& model, const OctreeOptions& options) {
   verify::require_valid_with_meshes(model);
   check(model, options);
-  state_ = std::make_unique<State>(model, options);
+  state_ = hidden<State>(model, options);
 }
-OctreeBuilder::~OctreeBuilder() = default;
-OctreeBuilder::OctreeBuilder(OctreeBuilder&&) noexcept = default;
-OctreeBuilder& OctreeBuilder::operator=(OctreeBuilder&&) noexcept = default;
 
 OctreeSummary OctreeBuilder::build(const OctreeSink& sink) {
   const auto& [options, root, name, notice, front] = *state_;

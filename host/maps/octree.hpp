@@ -42,8 +42,6 @@ class OctreeFront {
   [[nodiscard]] virtual double device_seconds() const { return 0.0; }
 };
 
-[[nodiscard]] std::unique_ptr<OctreeFront> host_octree_front(const Model& model, const OctreeRoot& root);
-
 }  // namespace verisq
 
 namespace verisq::device {
@@ -59,9 +57,5 @@ namespace verisq::device {
 /// With kernels that are not tested before.
 [[nodiscard]] std::unique_ptr<OctreeFront> octree_front(const Device& device, const cl::Program& program,
                                                         const Model& model, const OctreeRoot& root);
-
-/// The first cube of the first levels whose colour contradicts the host's distance of its centre, or a message that far
-/// less of the root is decided than by the host. Empty if neither is found.
-[[nodiscard]] std::string first_false_colour(OctreeFront& front, const Model& model, const OctreeRoot& root);
 
 }  // namespace verisq::device

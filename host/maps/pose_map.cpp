@@ -14,7 +14,6 @@
 #include "host/device/device_model.hpp"
 #include "host/device/program_self_test.hpp"
 #include "host/device/query_batches.hpp"
-#include "host/device/solid_model.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "host/maps/map_run.hpp"
 #include "host/maps/uncertain_map.hpp"
@@ -25,12 +24,9 @@
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_pair_cells.hpp"
-#include "verify/search/triangle_pieces.hpp"
-#include "verify/solids/model.hpp"
 #include "verisq/device.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/error.hpp"
-#include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq {
@@ -42,6 +38,8 @@ namespace verisq {
   return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
 }
 
+namespace {
+
 /// Throws Error(input) unless all numbers are finite and the quaternion is not zero.
 inline void require_pose(const Pose& pose) {
   const auto finite = [](double c) { return std::isfinite(c); };
@@ -52,12 +50,6 @@ inline void require_pose(const Pose& pose) {
 }
 
 // The map of poses where a model has a bend or set operations.
-
-/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
-/// Error(input), and for a model that is proven to have no point.
-[[nodiscard]] std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options);
-
-namespace {
 
 /// A point and how far the solid reaches from it, rounded up.
 struct Reach {
@@ -126,8 +118,8 @@ class SolidPoseProver {
   ModelSearch search_;
 };
 
-}  // namespace
-
+/// Like pose_map, by ModelSearch, pose by pose on all processors: kernels do not support such pairs. Throws the same
+/// Error(input), and for a model that is proven to have no point.
 std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, const MapOptions& options) {
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
@@ -137,8 +129,6 @@ std::unique_ptr<ExactMap<Pose>> solid_pose_map(const Model& a, const Model& b, c
       SolidPoseProver(a, b, options), of_host, a, PreparedMap<Pose, SolidPoseProver>::MakeBatch(),
       "poses of bent solids and set operations are searched on the host");
 }
-
-namespace {
 
 class PoseProver {
  public:
@@ -213,8 +203,6 @@ class PoseProver {
   std::unique_ptr<Memories> memories_ = std::make_unique<Memories>();
 };
 
-}  // namespace
-
 std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options) {
   if (!is_union_of_convex(a) || !is_union_of_convex(b)) return solid_pose_map(a, b, options);
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
@@ -226,8 +214,6 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
   return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, both, make_batch,
                                                          device::why_not_as_triangles_or_pairs(both));
 }
-
-namespace {
 
 ClosestPoints anywhere() {
   constexpr Enclosure anything{-infinity, infinity};

@@ -19,7 +19,7 @@
 #include "host/maps/map_run.hpp"
 #include "verify/proof/uncertain_model.hpp"
 #include "verify/proof/verdict.hpp"
-#include "verify/search/fit_box_bound.hpp"
+#include "verify/search/displaced_point.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -435,21 +435,14 @@ struct Mapper<Query>::State {
 // clang 14 instantiates constructors whose constraints do not hold, too.
 template <class Query>
 Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>) {
-  if constexpr (!std::same_as<Query, Pose>) state_.reset(new State(options, bracket(model)));
+  if constexpr (!std::same_as<Query, Pose>) state_ = hidden<State>(options, bracket(model));
 }
 
 template <class Query>
 Mapper<Query>::Mapper(const UncertainModel& a, const UncertainModel& b,
                       const MapOptions& options) requires std::same_as<Query, Pose> {
-  if constexpr (std::same_as<Query, Pose>) state_.reset(new State(options, bracket(a), bracket(b)));
+  if constexpr (std::same_as<Query, Pose>) state_ = hidden<State>(options, bracket(a), bracket(b));
 }
-
-template <class Query>
-Mapper<Query>::~Mapper() = default;
-template <class Query>
-Mapper<Query>::Mapper(Mapper&&) noexcept = default;
-template <class Query>
-Mapper<Query>& Mapper<Query>::operator=(Mapper&&) noexcept = default;
 
 template <class Query>
 MapSummary Mapper<Query>::map(const Source<Query>& source, const Sink<Query>& sink) {

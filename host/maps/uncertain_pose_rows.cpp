@@ -13,7 +13,7 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/search/fit_box_bound.hpp"
+#include "verify/search/displaced_point.hpp"
 
 namespace verisq {
 namespace {

@@ -285,12 +285,8 @@ InsertionMapper::InsertionMapper(std::span<const Pose> path, const Model& implan
                                  const InsertionOptions& options) {
   verify::require_valid_with_meshes(implant);
   check_path(path);
-  state_ = std::make_unique<State>(path, implant, bone, options);
+  state_ = hidden<State>(path, implant, bone, options);
 }
-
-InsertionMapper::~InsertionMapper() = default;
-InsertionMapper::InsertionMapper(InsertionMapper&&) noexcept = default;
-InsertionMapper& InsertionMapper::operator=(InsertionMapper&&) noexcept = default;
 
 Insertion InsertionMapper::operator()(std::size_t first, std::size_t count) {
   return state_->search(state_->bone.subspan(first, count));

@@ -18,8 +18,6 @@
 #include "verisq/fit.hpp"
 #include "verisq/mesh.hpp"
 
-// The search for a pose: its objective, on a device or the host, and its steps.
-
 namespace verisq::fit_search {
 
 // The search of a fit: from many starts, then locally, by NLopt, until the caller or time ends it.

@@ -4,10 +4,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 #include <verisq/features.hpp>
 #include <verisq/mesh.hpp>

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
-#include <mutex>
 #include <span>
 #include <utility>
 #include <verisq/distance.hpp>
@@ -60,7 +58,7 @@ bool apart(const Model& model, const Solid& solid, const std::vector<Mesh>& surf
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (contains_some(i, j) || contains_some(j, i)) return false;
-      const ModelSearch search({"", {model.primitives[i]}}, {"", {model.primitives[j]}});
+      const verify::PairSearch search({"", {model.primitives[i]}}, {"", {model.primitives[j]}});
       if (!(search({}, {.tolerance = gap, .interrupted = interrupted}).distance.lo > gap)) return false;
     }
   }

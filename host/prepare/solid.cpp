@@ -42,14 +42,15 @@ Eigen::Matrix3d matrix(const std::array<double, 9>& rows) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
-}  // namespace
-
+/// The point of the curve |x|^(2/exponent) + |y|^(2/exponent) = 1 in the direction `quarter_turns` from x to y.
 Eigen::Vector2d superellipse(double quarter_turns, double exponent) {
   // Exact zeros at the axes: neighbouring quarters share their points bit by bit.
   const double x = boost::math::cos_pi(quarter_turns / 2.0);
   const double y = boost::math::sin_pi(quarter_turns / 2.0);
   return Eigen::Vector2d(x, y) / superellipse_gauge(x, y, exponent);
 }
+
+}  // namespace
 
 PlacedPrimitive::PlacedPrimitive(const Primitive& primitive)
     : semi_axes_(primitive.superquadric.semi_axes[0], primitive.superquadric.semi_axes[1],

@@ -65,9 +65,6 @@ class PlacedPrimitive {
   Eigen::Vector3d translation_;
 };
 
-/// The point of the curve |x|^(2/exponent) + |y|^(2/exponent) = 1 in the direction `quarter_turns` from x to y.
-[[nodiscard]] Eigen::Vector2d superellipse(double quarter_turns, double exponent);
-
 // One primitive's surface as a grid of longitudes and latitudes, as fine as the surface is curved.
 
 /// Closed, manifold, outward by the right-hand rule. Vertices lie on the surface, some of them on its edges and

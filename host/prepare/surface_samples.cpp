@@ -77,6 +77,9 @@ std::vector<Eigen::Vector3d> sample_surface(const Shape& shape, std::size_t coun
   return points;
 }
 
+namespace {
+
+/// At most about `count` points of the union's surface: points of its primitives that lie in no other primitive.
 std::vector<Eigen::Vector3d> sample_union(std::span<const Shape> shapes, std::size_t count, std::mt19937_64& random) {
   std::vector<DistanceToShape> distances;
   for (const Shape& shape : shapes) distances.emplace_back(shape, Family::plain);
@@ -96,8 +99,6 @@ std::vector<Eigen::Vector3d> sample_union(std::span<const Shape> shapes, std::si
   }
   return points;
 }
-
-namespace {
 
 // Columns stand off the grid, or they would hit the edges of meshes that are themselves made on one.
 constexpr double offset_x = 0.3819660113;
@@ -333,8 +334,8 @@ EstimatedDeviation deviation_of(std::span<const Eigen::Vector3d> points, const D
   return deviation_of(std::move(distances));
 }
 
-}  // namespace
-
+/// The distances of the points to the boundary of the union of the shapes, to first order. Precondition: at least one
+/// point.
 EstimatedDeviation deviation_to_union(std::span<const Eigen::Vector3d> points, std::span<const Shape> shapes) {
   std::vector<DistanceToShape> to_shapes;
   for (const Shape& shape : shapes) to_shapes.emplace_back(shape, Family::plain);
@@ -345,6 +346,7 @@ EstimatedDeviation deviation_to_union(std::span<const Eigen::Vector3d> points, s
   });
 }
 
+/// The distances of samples of the union's boundary to the mesh; nothing if it has none.
 std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes, const verify::TriangleTree& mesh,
                                                     std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -354,6 +356,8 @@ std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shape
     return mesh.nearest({point[0], point[1], point[2]}).distance.hi;
   });
 }
+
+}  // namespace
 
 RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points,
                        const verify::TriangleTree* mesh, std::uint64_t seed) {

@@ -29,10 +29,6 @@ namespace verisq::recovery {
 [[nodiscard]] std::vector<Eigen::Vector3d> sample_surface(const Shape& shape, std::size_t count,
                                                           std::mt19937_64& random);
 
-/// At most about `count` points of the union's surface: points of its primitives that lie in no other primitive.
-[[nodiscard]] std::vector<Eigen::Vector3d> sample_union(std::span<const Shape> shapes, std::size_t count,
-                                                        std::mt19937_64& random);
-
 // Points of a mesh's surface and of the space about it.
 
 /// Independent, uniform by area. Precondition: a triangle of positive area.
@@ -68,15 +64,6 @@ struct OrientedBox {
 [[nodiscard]] OrientedBox box_along(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes);
 
 // The distances of samples of two surfaces, in floating point.
-
-/// The distances of the points to the boundary of the union of the shapes, to first order. Precondition: at least one
-/// point.
-[[nodiscard]] EstimatedDeviation deviation_to_union(std::span<const Eigen::Vector3d> points,
-                                                    std::span<const Shape> shapes);
-
-/// The distances of samples of the union's boundary to the mesh; nothing if it has none.
-[[nodiscard]] std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes,
-                                                                  const verify::TriangleTree& mesh, std::uint64_t seed);
 
 /// Both deviations. `mesh` may be null, for a cloud.
 [[nodiscard]] RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points,

@@ -49,11 +49,12 @@ View unturned(const Mesh& bone, const Mesh& implant) {
   return {Eigen::Matrix3d::Identity(), extent.centre(), half_size > 0.0 ? half_size : 1.0};
 }
 
-}  // namespace
-
+/// The centroid of the triangles' area; of the vertices, if there is none.
 Eigen::Vector3d surface_centroid(const std::vector<Eigen::Vector3d>& vertices, const Mesh& mesh) {
   return surface_moments(vertices, mesh).mean();
 }
+
+}  // namespace
 
 Eigen::Vector3d upright(const Mesh& bone, const Mesh& implant, const std::optional<Point>& asked) {
   if (asked) return vector_of(verify::near_one(*asked)).stableNormalized();

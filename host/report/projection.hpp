@@ -120,9 +120,6 @@ struct View {
 /// The view with `up` on top, from the side where the bone is broadest. Precondition: `up` of length 1.
 [[nodiscard]] View broad_view(const Mesh& bone, const Mesh& implant, const Eigen::Vector3d& up);
 
-/// The centroid of the triangles' area; of the vertices, if there is none.
-[[nodiscard]] Eigen::Vector3d surface_centroid(const std::vector<Eigen::Vector3d>& vertices, const Mesh& mesh);
-
 // The part of a surface that is nearest to the viewer at each sample of a raster.
 
 /// Triangles in the coordinates of the raster: x to the right and y down in samples, z towards the viewer.

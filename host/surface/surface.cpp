@@ -210,13 +210,15 @@ std::vector<std::uint32_t> smallest_outside(const Tetrahedra& tetrahedra, const 
   return result;
 }
 
-}  // namespace
-
+/// The tetrahedra of circumradius at most `alpha`, and the voids that they enclose; if there are several components
+/// (connected through facets), only the one of the largest volume.
 Solid alpha_solid(const Tetrahedra& tetrahedra, double alpha) {
   Solid solid(tetrahedra.corners.size());
   for (std::size_t k = 0; k < solid.size(); ++k) solid[k] = tetrahedra.circumradii[k] <= alpha;
   return largest_component(tetrahedra, with_voids_filled(tetrahedra, solid));
 }
+
+}  // namespace
 
 double volume(const Tetrahedra& tetrahedra, const Solid& solid) {
   double sum = 0.0;
@@ -340,6 +342,12 @@ AlphaShape alpha_shape(std::span<const Point> points, std::optional<double> alph
   return {std::move(mesh), *alpha};
 }
 
+namespace {
+
+/// Contains all of `input`: its triangles or, if it has none, its points. Balls of radius `alpha` carve the space
+/// outside away; they stop at the distance `offset` (Portaneri, Rouxel-Labbé, Hemmer, Cohen-Steiner, Alliez: Alpha
+/// Wrapping with an Offset, SIGGRAPH 2022). Gaps narrower than 2 alpha are bridged. Normals point outward.
+/// Preconditions: alpha, offset > 0; `input` is not empty.
 Mesh alpha_wrap(const Mesh& input, double alpha, double offset) {
   CgalMesh wrap;
   if (input.triangles.empty()) {
@@ -350,8 +358,6 @@ Mesh alpha_wrap(const Mesh& input, double alpha, double offset) {
   }
   return indexed_mesh(wrap);
 }
-
-namespace {
 
 constexpr double coarsest = 20.0;  ///< diagonal / alpha: bridges the gaps of any cloud worth the name
 constexpr int most_refinements = 4;

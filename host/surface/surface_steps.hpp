@@ -36,10 +36,6 @@ struct Tetrahedra {
 /// A flag for each tetrahedron: it belongs to the solid.
 using Solid = std::vector<bool>;
 
-/// The tetrahedra of circumradius at most `alpha`, and the voids that they enclose; if there are several components
-/// (connected through facets), only the one of the largest volume.
-[[nodiscard]] Solid alpha_solid(const Tetrahedra& tetrahedra, double alpha);
-
 [[nodiscard]] double volume(const Tetrahedra& tetrahedra, const Solid& solid);
 
 /// The facets between the solid and the rest, normals outward: closed and oriented, not always manifold. The vertices
@@ -63,14 +59,6 @@ struct AlphaShape {
 /// whose boundary is manifold of itself and whose volume is that of a filled solid, not of a shell around the points.
 /// Throws Error(input) if all points lie in one plane, and if no tetrahedron is as small as `alpha`.
 [[nodiscard]] AlphaShape alpha_shape(std::span<const Point> points, std::optional<double> alpha);
-
-// The alpha wrap: a closed oriented surface around points or triangles in any state.
-
-/// Contains all of `input`: its triangles or, if it has none, its points. Balls of radius `alpha` carve the space
-/// outside away; they stop at the distance `offset` (Portaneri, Rouxel-Labbé, Hemmer, Cohen-Steiner, Alliez: Alpha
-/// Wrapping with an Offset, SIGGRAPH 2022). Gaps narrower than 2 alpha are bridged. Normals point outward.
-/// Preconditions: alpha, offset > 0; `input` is not empty.
-[[nodiscard]] Mesh alpha_wrap(const Mesh& input, double alpha, double offset);
 
 // The choice of the alpha of a wrap: as small as the gaps of the input allow.
 

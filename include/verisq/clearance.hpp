@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +13,7 @@
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
@@ -301,9 +301,6 @@ class SideChecker {
   /// there, finite coordinates. Throws Error(input) for a mesh without sides, as `check_surface_has_sides`, a limit
   /// that is not finite and at least 0, and models that are none.
   SideChecker(const Model& model, const Mesh& surface, double penetration_limit);
-  ~SideChecker();
-  SideChecker(SideChecker&&) noexcept;
-  SideChecker& operator=(SideChecker&&) noexcept;
 
   /// Kept: no point of the surface, nor of the fans that close it over its rims, lies deeper in the primitive than the
   /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are. Of
@@ -321,7 +318,7 @@ class SideChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Proves on which side of a surface the parts of an implant lie: inside a cavity, outside a bone.

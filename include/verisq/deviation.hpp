@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +13,7 @@
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -123,9 +123,6 @@ struct ProvenDeviation {
 class DeviationChecker {
  public:
   explicit DeviationChecker(const Model& model);
-  ~DeviationChecker();
-  DeviationChecker(DeviationChecker&&) noexcept;
-  DeviationChecker& operator=(DeviationChecker&&) noexcept;
 
   struct Options {
     std::span<const double> percentiles = {};  ///< each above 0, at most 100
@@ -143,7 +140,7 @@ class DeviationChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Proves how far a mesh and the surface of a model lie apart, both ways: the two-sided Hausdorff distance.
@@ -292,9 +289,6 @@ struct ProvenContact {
 class ContactChecker {
  public:
   explicit ContactChecker(const Model& model);
-  ~ContactChecker();
-  ContactChecker(ContactChecker&&) noexcept;
-  ContactChecker& operator=(ContactChecker&&) noexcept;
 
   /// Returns what the certificate proves about this mesh, whatever it holds: enclosures of the exact numbers. Areas of
   /// the mesh need no certificate. Where it proves nothing a share is [0, 1], and an area of the model's surface is [0,
@@ -307,7 +301,7 @@ class ContactChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Proves how much of the area of a mesh and of a model's surface lies close to the other: contact, by area.

@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/features.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -129,9 +129,6 @@ class CertifiedDistances {
  public:
   /// `tolerance` is of searches, as SearchOptions has it.
   CertifiedDistances(const Model& a, const Model& b, double tolerance);
-  ~CertifiedDistances();
-  CertifiedDistances(CertifiedDistances&&) noexcept;
-  CertifiedDistances& operator=(CertifiedDistances&&) noexcept;
 
   /// Encloses the distance of A and of B moved by `pose`, as far as the certificate proves it; once `interrupted` says
   /// so what is proven by then. Throws as ModelSearch.
@@ -139,7 +136,7 @@ class CertifiedDistances {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // The distance of two unions of convex primitives, whose numbers may be uncertain: enclosure, certificate, closest
@@ -176,9 +173,6 @@ class PairDistance {
  public:
   /// Throws Error(input) for other models, and as `bracket`.
   PairDistance(const UncertainModel& a, const UncertainModel& b);
-  ~PairDistance();
-  PairDistance(PairDistance&&) noexcept;
-  PairDistance& operator=(PairDistance&&) noexcept;
 
   /// Encloses the exact distance of A and of B moved by `pose`, as tightly as the method gives; 0 where they meet.
   /// Where `interrupted`, polled after each pair of primitives, says so, what is proven by then: valid, and wide.
@@ -188,13 +182,10 @@ class PairDistance {
   class Memory {
    public:
     Memory();
-    ~Memory();
-    Memory(Memory&&) noexcept;
-    Memory& operator=(Memory&&) noexcept;
 
    private:
     friend PairDistance;
-    std::unique_ptr<verify::PairMemory> pairs_;
+    Hidden<verify::PairMemory> pairs_;
   };
 
   /// The same distance, bit for bit, without a certificate: pairs of primitives that were farther apart than B has
@@ -211,7 +202,7 @@ class PairDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // The host's own proof of a signed distance: Boost.Interval and MPFR, no OpenCL. Slow, independent, the last word.
@@ -223,9 +214,6 @@ class PairDistance {
 class SignedDistance {
  public:
   explicit SignedDistance(const Model& model);
-  ~SignedDistance();
-  SignedDistance(SignedDistance&&) noexcept;
-  SignedDistance& operator=(SignedDistance&&) noexcept;
 
   /// Encloses the exact signed distance of `point`; works until it is at most `tolerance` wide or the method's
   /// limit is reached (0 asks for the tightest). Never throws for finite points; the enclosure is always valid. Of an
@@ -261,7 +249,7 @@ class SignedDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// Radius of a sphere that contains the model: half the diagonal of the bounding box of the primitives' posed boxes,
@@ -315,9 +303,6 @@ class TriangleDistance {
  public:
   /// Throws Error(input) unless the model is_union_of_convex.
   explicit TriangleDistance(const Model& model);
-  ~TriangleDistance();
-  TriangleDistance(TriangleDistance&&) noexcept;
-  TriangleDistance& operator=(TriangleDistance&&) noexcept;
 
   /// Encloses the exact distance as tightly as the method gives. The triangle may be degenerate. Never throws for
   /// finite corners; the enclosure is always valid, and [0, 0] where the triangle is proven to meet the model.
@@ -328,7 +313,7 @@ class TriangleDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // The distance of a triangle to any model, bent or built by set operations, by branch and bound over parts of the
@@ -339,9 +324,6 @@ class TriangleDistance {
 class TriangleSearch {
  public:
   explicit TriangleSearch(const Model& model);
-  ~TriangleSearch();
-  TriangleSearch(TriangleSearch&&) noexcept;
-  TriangleSearch& operator=(TriangleSearch&&) noexcept;
 
   /// Encloses the exact distance; works until it is at most `tolerance` wide, in model units, until `interrupted`,
   /// polled by the calling thread, says so, or until its budget of points is spent: then it is valid, and wide. The
@@ -358,7 +340,7 @@ class TriangleSearch {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // The distance of any two models, bent or built by set operations: by planes between their primitives where these
@@ -386,9 +368,6 @@ struct SearchedDistance {
 class ModelSearch {
  public:
   ModelSearch(const Model& a, const Model& b);
-  ~ModelSearch();
-  ModelSearch(ModelSearch&&) noexcept;
-  ModelSearch& operator=(ModelSearch&&) noexcept;
 
   /// Encloses the exact distance of A and of B moved by `pose`, 0 where they meet; works until it is at most the
   /// tolerance wide, interrupted, or out of its budget of cubes and pairs: then it is valid, and wide. Throws
@@ -404,7 +383,7 @@ class ModelSearch {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Proves distances of two models again from their certificates, by MPFR alone: without device, solver or search.
@@ -413,9 +392,6 @@ class ModelSearch {
 class PairChecker {
  public:
   PairChecker(const Model& a, const Model& b);
-  ~PairChecker();
-  PairChecker(PairChecker&&) noexcept;
-  PairChecker& operator=(PairChecker&&) noexcept;
 
   /// Returns what the certificate proves about the distance of A and of B moved by `pose`, whatever it holds: an
   /// enclosure of the exact distance, [0, infinity] if it proves nothing. Primitives that a model does not have, and
@@ -431,7 +407,7 @@ class PairChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Moves a whole model.

@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 #include <verisq/features.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
@@ -76,9 +76,6 @@ class PointFile {
  public:
   /// `-` is the standard input.
   explicit PointFile(const std::filesystem::path& path);
-  ~PointFile();
-  PointFile(PointFile&&) noexcept;
-  PointFile& operator=(PointFile&&) noexcept;
 
   /// Fills `points` from the front; returns how many, fewer than asked only at the end of the file.
   std::size_t read(std::span<Point> points);
@@ -96,7 +93,7 @@ class PointFile {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// The points of such a file, or the vertices of a mesh: all of them, without triangles. Throws Error(input) likewise.
@@ -110,9 +107,6 @@ class PointFile {
 class PoseFile {
  public:
   explicit PoseFile(const std::filesystem::path& path);
-  ~PoseFile();
-  PoseFile(PoseFile&&) noexcept;
-  PoseFile& operator=(PoseFile&&) noexcept;
 
   /// Fills `poses` from the front; returns how many, fewer than asked only at the end of the file.
   std::size_t read(std::span<Pose> poses);
@@ -126,7 +120,7 @@ class PoseFile {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// All poses of a file, in its order. Throws as PoseFile.

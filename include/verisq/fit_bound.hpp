@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 #include <verisq/clearance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/fit.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -58,9 +58,6 @@ class BestFitChecker {
   /// holds other than unions of convex primitives, for no points, for other numbers of points or centres than the claim
   /// has, and for what is not finite or out of its range.
   BestFitChecker(std::span<const Model> series, std::span<const Point> points, const BestFitClaim& claim);
-  ~BestFitChecker();
-  BestFitChecker(BestFitChecker&&) noexcept;
-  BestFitChecker& operator=(BestFitChecker&&) noexcept;
 
   /// Returns the bound that the certificate proves, whatever it holds: the sum of the weights for an implant whose
   /// divisions make no sense. If few boxes are bounded by more than the claim, these are halved further.
@@ -73,7 +70,7 @@ class BestFitChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// Judges a bound: never `proved` for a claim that is not true.

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
@@ -50,9 +50,6 @@ class InsertionChecker {
   /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and as
   /// Checker.
   InsertionChecker(const Model& implant, std::span<const Pose> path);
-  ~InsertionChecker();
-  InsertionChecker(InsertionChecker&&) noexcept;
-  InsertionChecker& operator=(InsertionChecker&&) noexcept;
 
   /// Never says `proved` of an enclosure that does not contain the smallest signed distance of the point along the
   /// path, whatever the certificate holds. Once `interrupted`, polled unless empty, says so, less is proven: `unproved`
@@ -63,7 +60,7 @@ class InsertionChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Proves the smallest signed distance of a bone's whole surface to an implant on its way in again: MPFR, no OpenCL, no
@@ -131,9 +128,6 @@ class WaySurfaceChecker {
   /// Throws Error(input) for another model, for a mesh without triangles, and for a path as InsertionChecker. `bone`
   /// has to outlive this.
   WaySurfaceChecker(const Model& implant, std::span<const Pose> path, const Mesh& bone);
-  ~WaySurfaceChecker();
-  WaySurfaceChecker(WaySurfaceChecker&&) noexcept;
-  WaySurfaceChecker& operator=(WaySurfaceChecker&&) noexcept;
 
   /// Never says `proved` of an enclosure that does not contain the smallest signed distance, whatever the certificate
   /// holds, if `of_vertices` are proven: enclosures of the smallest signed distance of each vertex along the way.
@@ -143,7 +137,7 @@ class WaySurfaceChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // How deep an implant cuts into the bone on its way in: the bone that must be removed.
@@ -201,16 +195,13 @@ class InsertionMapper {
   /// `bone` must outlive this. Throws as `smallest_distance_along`.
   InsertionMapper(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                   const InsertionOptions& options);
-  ~InsertionMapper();
-  InsertionMapper(InsertionMapper&&) noexcept;
-  InsertionMapper& operator=(InsertionMapper&&) noexcept;
 
   /// Precondition: points of the bone; `progress` tells of them alone.
   [[nodiscard]] Insertion operator()(std::size_t first, std::size_t count);
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // The smallest distances along an implant's way in, with what proves them again.
@@ -276,9 +267,6 @@ class RemovedVolumeChecker {
   /// not closed with the fans over their rims, each edge run through as often one way as the other, or enclose nothing;
   /// and where a cavity lies beside the bone's outer surface, so that it is not one in that bone.
   RemovedVolumeChecker(const Model& implant, std::span<const Pose> path, const BoneRegion& bone);
-  ~RemovedVolumeChecker();
-  RemovedVolumeChecker(RemovedVolumeChecker&&) noexcept;
-  RemovedVolumeChecker& operator=(RemovedVolumeChecker&&) noexcept;
 
   /// Returns the volume that the certificate proves, whatever it holds, of all bone that lies in the implant at some
   /// time. It has no upper end if its cube may miss a part of what is swept. It proves nothing if its parts are not
@@ -291,7 +279,7 @@ class RemovedVolumeChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // How much bone an implant takes away on its way in: the volume that it sweeps of the bone, proven.

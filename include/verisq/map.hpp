@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +15,7 @@
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
@@ -282,9 +282,6 @@ class Mapper {
   /// Throws Error(input) likewise, and for options that ask for certificates or give a point radius.
   Mapper(const UncertainModel& a, const UncertainModel& b,
          const MapOptions& options) requires std::same_as<Query, Pose>;
-  ~Mapper();
-  Mapper(Mapper&&) noexcept;
-  Mapper& operator=(Mapper&&) noexcept;
 
   /// Maps all queries of `source`. Memory is bounded by a few chunks, whatever their number; transfers overlap with
   /// work. Throws Error(input) for a query that is not finite or a pose whose quaternion is zero, and what source and
@@ -304,7 +301,7 @@ class Mapper {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 extern template class Mapper<Point>;

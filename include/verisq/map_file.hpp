@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +11,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/distance.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 
@@ -163,9 +163,6 @@ class MapWriter {
   /// Likewise, in a form. Throws Error(input) also for columns that there are not, or in a format without columns, and
   /// for a `.npy` of unknown length that is written to directly.
   MapWriter(const std::filesystem::path& path, const Mesh* mesh, const MapForm& form);
-  ~MapWriter();
-  MapWriter(MapWriter&&) noexcept;
-  MapWriter& operator=(MapWriter&&) noexcept;
 
   /// Precondition: spans of the same length; `certificates` empty unless the contents are certified or covered, and all
   /// their numbers finite; an escape in a map of vertices only, a witness and a cover, which must be whole, in a
@@ -189,7 +186,7 @@ class MapWriter {
 
  private:
   class Format;
-  std::unique_ptr<Format> format_;
+  Hidden<Format> format_;
 };
 
 /// One row of a certified map.
@@ -213,9 +210,6 @@ class MapReader {
   /// Throws Error(input) naming file, line or byte position and value: for other formats, for maps written without
   /// certificates, for anything that is not such a map. Error(failure) when the file or the memory fails.
   explicit MapReader(const std::filesystem::path& path);
-  ~MapReader();
-  MapReader(MapReader&&) noexcept;
-  MapReader& operator=(MapReader&&) noexcept;
 
   [[nodiscard]] MapElements elements() const;
 
@@ -236,7 +230,7 @@ class MapReader {
 
  private:
   class Format;
-  std::unique_ptr<Format> format_;
+  Hidden<Format> format_;
 };
 
 // Parts of a map that several processes make, and the whole that they are merged to: bit by bit what one process

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -62,9 +62,6 @@ class OctreeBuilder {
   /// whose size overflows or is lost in the rounding of its position, for a mesh that is not closed, and for meshes on
   /// a named device: they are the host's.
   OctreeBuilder(const Model& model, const OctreeOptions& options);
-  ~OctreeBuilder();
-  OctreeBuilder(OctreeBuilder&&) noexcept;
-  OctreeBuilder& operator=(OctreeBuilder&&) noexcept;
 
   /// Memory is bounded by the budget. Throws Error(failure) for errors of the device, and what the sink throws. One
   /// call at a time. Without a sink the cubes are only counted.
@@ -72,7 +69,7 @@ class OctreeBuilder {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Octrees as files that ParaView opens.
@@ -89,9 +86,6 @@ class OctreeWriter {
  public:
   /// Throws Error(input) unless the name ends in `.vtu`.
   OctreeWriter(const std::filesystem::path& file, WhiteCubes white);
-  ~OctreeWriter();
-  OctreeWriter(OctreeWriter&&) noexcept;
-  OctreeWriter& operator=(OctreeWriter&&) noexcept;
 
   void append(std::span<const OctreeCube> cubes);
 
@@ -103,7 +97,7 @@ class OctreeWriter {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// An octree as its file holds it: white cubes may be left out.

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -55,9 +55,6 @@ class PathChecker {
   /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and for
   /// half a turn from one pose to the next, which has two ways.
   PathChecker(const Model& a, const Model& b, std::span<const Pose> path);
-  ~PathChecker();
-  PathChecker(PathChecker&&) noexcept;
-  PathChecker& operator=(PathChecker&&) noexcept;
 
   /// Returns what the certificate proves, whatever it holds: [0, infinity] for the first contact if it proves nothing.
   /// Once interrupted, it proves less.
@@ -68,7 +65,7 @@ class PathChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// Judges each claim: never `proved` for one that is not true. Precondition: `claimed` holds no NaN;

@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/distance.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
 #include <verisq/model.hpp>
@@ -59,9 +59,6 @@ class ContainmentChecker {
   /// Throws Error(input) for a model that has set operations or is none, and for a mesh that is not closed or not
   /// turned alike all over. Precondition: triangles of vertices that are there, finite coordinates.
   ContainmentChecker(const Model& model, const Mesh& mesh);
-  ~ContainmentChecker();
-  ContainmentChecker(ContainmentChecker&&) noexcept;
-  ContainmentChecker& operator=(ContainmentChecker&&) noexcept;
 
   /// `within` of a mesh in one part. `around` of unbent primitives alone.
   [[nodiscard]] ContainmentFinding operator()(Containment claim, const ContainmentCertificate& certificate,
@@ -69,7 +66,7 @@ class ContainmentChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 /// A point of the mesh, to within rounding, that contradicts it.

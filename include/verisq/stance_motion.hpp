@@ -1,7 +1,6 @@
 /// The motion of a standing body, and of one that bounces; what a caller chooses of a stance model.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>

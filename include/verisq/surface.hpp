@@ -1,10 +1,8 @@
 /// Closed surfaces of clouds, damaged meshes and labelled volumes, and canals.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>

@@ -14,6 +14,7 @@
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
 #include <verisq/fit_solution.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>

@@ -3,10 +3,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 #include <verisq/certificate_file.hpp>
@@ -16,11 +14,6 @@
 #include "python/module/pickling.hpp"
 
 namespace verisq::python {
-
-template <>
-inline constexpr std::size_t member_count<Finding> = 2;
-template <>
-inline constexpr std::size_t member_count<JudgedClaim> = 6;
 
 /// An answer is pickled as the text of its file.
 template <>

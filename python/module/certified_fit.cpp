@@ -25,9 +25,7 @@ std::vector<Model> exact_models(const py::object& implants) {
 
 bool bound_is_proved(const PythonCertifiedBound& self, const py::object& implants, const PythonMesh& mesh) {
   const std::vector<Model> models = exact_models(implants);
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const BestFitChecker checker(models, mesh.mesh.vertices, self.claim);
     CheckOptions options;
     options.interrupted = interrupted;
@@ -118,9 +116,7 @@ bool contact_is_proved(const PythonCertifiedContact& self, const PythonModel& mo
   if (mesh.mesh.vertices.size() != self.certificate.vertices.size()) return false;
   if (!terms.counted.empty() && terms.counted.size() != exact.primitives.size()) return false;
   if (terms.regions > 0 && terms.region_of.size() != mesh.mesh.triangles.size()) return false;
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     CheckOptions options;
     options.interrupted = interrupted;
     return are_proved(self.claims, ContactChecker(exact)(mesh.mesh, terms, self.certificate, options));

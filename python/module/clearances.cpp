@@ -4,7 +4,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,15 +18,6 @@
 #include "python/module/pickling.hpp"
 
 namespace verisq::python {
-
-template <>
-inline constexpr std::size_t member_count<PointAcross> = 2;
-template <>
-inline constexpr std::size_t member_count<CommonPoint> = 2;
-template <>
-inline constexpr std::size_t member_count<ContainmentCertificate> = 2;
-template <>
-inline constexpr std::size_t member_count<ContainmentProof> = 11;
 
 namespace {
 
@@ -86,9 +76,8 @@ ContainmentProof contained(const PythonModel& model, const PythonMesh& mesh, con
 
 bool is_containment_proved(const ContainmentProof& self, const PythonModel& model, const PythonMesh& mesh) {
   const Model& exact = model.exact("is_proved");
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    const CheckOptions options{.interrupted = interruption.poll()};
+  return without_lock([&](const Interrupted& interrupted) {
+    const CheckOptions options{.interrupted = interrupted};
     const ContainmentFinding found = ContainmentChecker(exact, mesh.mesh)(self.containment, self.certificate, options);
     return self.proven && found.verdict == Verdict::proved;
   });
@@ -160,19 +149,6 @@ void declare_clearances(py::module_& module) {
   declare_containments(module);
 }
 
-template <>
-inline constexpr std::size_t member_count<DistanceStatistics> = 4;
-template <>
-inline constexpr std::size_t member_count<Deviation> = 12;
-template <>
-inline constexpr std::size_t member_count<DistanceSummary> = 3;
-template <>
-inline constexpr std::size_t member_count<SurfaceProof> = 4;
-template <>
-inline constexpr std::size_t member_count<AreaStatistics> = 2;
-template <>
-inline constexpr std::size_t member_count<DeviationCertificate> = 3;
-
 namespace {
 
 namespace py = pybind11;
@@ -211,8 +187,6 @@ struct PythonCertifiedDeviation {
   std::optional<AreaStatistics> statistics_from_model;
   std::optional<Enclosure> hausdorff;
   DeviationCertificate certificate;
-
-  static constexpr std::size_t members = 7;
 };
 
 PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
@@ -270,12 +244,11 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   const Mesh measured = mesh_or_cloud(mesh);
   const auto& [vertices, triangles, surface] = self.certificate;
   if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
-  Interruption interruption;
-  const ProvenDeviation proven = without_lock(interruption, [&] {
+  const ProvenDeviation proven = without_lock([&](const Interrupted& interrupted) {
     return DeviationChecker(exact)(measured, self.certificate,
                                    {.percentiles = self.percents,
                                     .statistics_of_model = self.statistics_from_model.has_value(),
-                                    .check = {.interrupted = interruption.poll()}});
+                                    .check = {.interrupted = interrupted}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
          (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh)) &&

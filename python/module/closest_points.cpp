@@ -64,11 +64,9 @@ std::string representation_of_points(const PythonClosestPoints& self) {
 PythonClosestPoints closest_points_of(const SignedDistance& distance, const py::handle& object, double tolerance) {
   PythonClosestPoints found{numbers(object, "points", {-1, 3}), {}, {}};
   const PointColumns points = columns(found.points);
-  Interruption interruption;
-  without_lock(interruption, [&] {
+  without_lock([&](const Interrupted& interrupted) {
     found.rows.resize(points.size());
-    found.summary =
-        closest_points(distance, points, found.rows, {.tolerance = tolerance, .interrupted = interruption.poll()});
+    found.summary = closest_points(distance, points, found.rows, {.tolerance = tolerance, .interrupted = interrupted});
     return true;
   });
   return found;
@@ -140,8 +138,6 @@ namespace py = pybind11;
 struct PythonClosestPairs {
   std::vector<ClosestPoints> rows;
   ClosestPointSummary summary;
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonClosestPairs closest_pairs_of(const PythonModel& a, const PythonModel& b, const py::handle& object) {
@@ -149,9 +145,8 @@ PythonClosestPairs closest_pairs_of(const PythonModel& a, const PythonModel& b, 
   const std::vector<Pose> queries = poses(object, "poses");
   const PairDistance distance(a.exact("closest_pairs"), b.exact("closest_pairs"));
   PythonClosestPairs found{std::vector<ClosestPoints>(queries.size()), {}};
-  Interruption interruption;
-  found.summary =
-      without_lock(interruption, [&] { return closest_points(distance, queries, found.rows, interruption.poll()); });
+  found.summary = without_lock(
+      [&](const Interrupted& interrupted) { return closest_points(distance, queries, found.rows, interrupted); });
   return found;
 }
 

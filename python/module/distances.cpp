@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -80,8 +79,7 @@ void declare_signed_distance(py::module_& module) {
             if (!std::isfinite(at[0]) || !std::isfinite(at[1]) || !std::isfinite(at[2]))
               throw Error(ErrorKind::input, fmt::format("point ({}, {}, {}) is not finite", at[0], at[1], at[2]));
             check_length(tolerance, "tolerance");
-            Interruption interruption;
-            return without_lock(interruption, [&] { return self(at, tolerance, interruption.poll()); });
+            return without_lock([&](const Interrupted& interrupted) { return self(at, tolerance, interrupted); });
           },
           py::arg("point"), py::arg("tolerance") = 0.0,
           "__call__(point, tolerance=0.0) -> Enclosure\n\nOf a point [x, y, z] in model units: positive outside, the\n"
@@ -100,8 +98,6 @@ struct PythonPair {
   std::optional<Point> common;
   bool complete;
   std::optional<Enclosure> penetration_depth;
-
-  static constexpr std::size_t members = 6;
 };
 
 std::string word(Proximity proximity) {
@@ -155,8 +151,6 @@ struct CertifiedPair {
   Enclosure distance;
   PairCertificate certificate;
   std::optional<CertifiedPenetration> penetration;
-
-  static constexpr std::size_t members = 3;
 };
 
 CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b,
@@ -166,13 +160,12 @@ CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, con
   const Model& other = b.exact("certified_distance");
   const Pose moved = pose(pose_of_b);
   const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    auto [distance, certificate] = CertifiedDistances(one, other, width)(moved, interruption.poll());
+  return without_lock([&](const Interrupted& interrupted) {
+    auto [distance, certificate] = CertifiedDistances(one, other, width)(moved, interrupted);
     CertifiedPair pair{distance, std::move(certificate), std::nullopt};
     if (!(distance.lo > 0.0)) {
       pair.penetration = PenetrationDepth(one, other)(
-          moved, {.tolerance = width, .common = pair.certificate.common, .interrupted = interruption.poll()});
+          moved, {.tolerance = width, .common = pair.certificate.common, .interrupted = interrupted});
     }
     return pair;
   });
@@ -183,13 +176,12 @@ bool pair_is_proved(const CertifiedPair& self, const PythonModel& a, const Pytho
   const Model& one = a.exact("is_proved");
   const Model& other = b.exact("is_proved");
   const Pose moved = pose(pose_of_b);
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    const Finding finding = PairChecker(one, other)(moved, self.distance, self.certificate, interruption.poll());
+  return without_lock([&](const Interrupted& interrupted) {
+    const Finding finding = PairChecker(one, other)(moved, self.distance, self.certificate, interrupted);
     if (finding.verdict != Verdict::proved || !self.penetration) return finding.verdict == Verdict::proved;
     const auto& [depth, certificate] = *self.penetration;
     const PenetrationChecker checker(one, other);
-    return checker(moved, depth, certificate, interruption.poll()).verdict == Verdict::proved;
+    return checker(moved, depth, certificate, interrupted).verdict == Verdict::proved;
   });
 }
 
@@ -265,15 +257,6 @@ void declare_pairs(py::module_& module) {
              "or set operations it may be wider than that of distance(), as of bent necks beside rims.");
 }
 
-template <>
-inline constexpr std::size_t member_count<PathDistance> = 8;
-template <>
-inline constexpr std::size_t member_count<PathClaims> = 2;
-template <>
-inline constexpr std::size_t member_count<PathPart> = 2;
-template <>
-inline constexpr std::size_t member_count<PathCertificate> = 3;
-
 namespace {
 
 namespace py = pybind11;
@@ -323,8 +306,6 @@ PathDistance along(const PythonModel& a, const PythonModel& b, const py::handle&
 struct PythonCertifiedPath {
   PathClaims claims;
   PathCertificate certificate;
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, const py::handle& path,
@@ -342,9 +323,8 @@ PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, 
 bool path_is_proved(const PythonCertifiedPath& self, const PythonModel& a, const PythonModel& b,
                     const py::handle& path) {
   const PathChecker checker(a.exact("is_proved"), b.exact("is_proved"), poses(path, "path"));
-  Interruption interruption;
-  const PathClaims proven =
-      without_lock(interruption, [&] { return checker.prove(self.certificate, {.interrupted = interruption.poll()}); });
+  const PathClaims proven = without_lock(
+      [&](const Interrupted& interrupted) { return checker.prove(self.certificate, {.interrupted = interrupted}); });
   const auto [smallest, first_contact] = check(self.claims, proven);
   return smallest.verdict == Verdict::proved && (!first_contact || first_contact->verdict == Verdict::proved);
 }

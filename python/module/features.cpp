@@ -26,8 +26,6 @@ struct PythonFemur {
   py::dict landmarks;
   py::object side;
   std::vector<std::string> notes;
-
-  static constexpr std::size_t members = 3;
 };
 
 PythonFemur detect(const PythonMesh& mesh, const std::optional<std::string>& side) {
@@ -102,11 +100,6 @@ void declare_features(py::module_& module) {
       "say (a dictionary of points, as Femur.landmarks), each anywhere within that radius.");
 }
 
-template <>
-inline constexpr std::size_t member_count<EstimatedDeviation> = 4;
-template <>
-inline constexpr std::size_t member_count<RecoveryStage> = 4;
-
 namespace {
 
 namespace py = pybind11;
@@ -117,8 +110,6 @@ struct PythonRecovery {
   double outliers;
   std::size_t points;
   bool out_of_time;
-
-  static constexpr std::size_t members = 5;
 };
 
 PythonRecovery recover_model(const py::handle& shape, std::size_t primitives, const std::optional<double>& deviation,

@@ -4,7 +4,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,35 +29,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<AreaClearance> = 9;
-template <>
-inline constexpr std::size_t member_count<Clearance> = 7;
-template <>
-inline constexpr std::size_t member_count<Sides> = 2;
-template <>
-inline constexpr std::size_t member_count<FitMovement> = 3;
-template <>
-inline constexpr std::size_t member_count<FitFinalist> = 7;
-template <>
-inline constexpr std::size_t member_count<Fit> = 13;
-template <>
-inline constexpr std::size_t member_count<PromisingPose> = 3;
-template <>
-inline constexpr std::size_t member_count<FitBound> = 8;
-template <>
-inline constexpr std::size_t member_count<FitTrial> = 5;
-template <>
-inline constexpr std::size_t member_count<FitSolution> = 4;
-template <>
-inline constexpr std::size_t member_count<AreaWithin> = 3;
-template <>
-inline constexpr std::size_t member_count<ContactAreas> = 5;
-template <>
-inline constexpr std::size_t member_count<FitCondition> = 6;
-template <>
-inline constexpr std::size_t member_count<FitProof> = 8;
-
 namespace {
 
 namespace py = pybind11;
@@ -77,8 +47,6 @@ struct PythonFit {
   ClearanceTerms terms;
   std::optional<PythonCertifiedBound> certified_bound;
   std::optional<PythonCertifiedContact> certified_contact;
-
-  static constexpr std::size_t members = 9;
 };
 
 /// "implant", or "implants[k]" where there are several.
@@ -322,9 +290,7 @@ bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
         fmt::format("mesh: has {} vertices, and the fit is of {}", vertices.size(), certificates.size()));
   const auto lo = self.map.lo.unchecked<1>();
   const auto hi = self.map.hi.unchecked<1>();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const Checker checker{UncertainModel(self.solution.fit.model)};
     std::vector<Enclosure> proven;
     bool all = true;

@@ -18,25 +18,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<RemovedVolume> = 6;
-template <>
-inline constexpr std::size_t member_count<RemovedVolumeCertificate> = 3;
-template <>
-inline constexpr std::size_t member_count<CertifiedRemovedVolume> = 3;
-template <>
-inline constexpr std::size_t member_count<WayPart> = 3;
-template <>
-inline constexpr std::size_t member_count<InsertionCertificate> = 3;
-template <>
-inline constexpr std::size_t member_count<MovedCell> = 2;
-template <>
-inline constexpr std::size_t member_count<WayTriangle> = 3;
-template <>
-inline constexpr std::size_t member_count<WayWitness> = 4;
-template <>
-inline constexpr std::size_t member_count<WaySurfaceCertificate> = 2;
-
 namespace {
 
 namespace py = pybind11;
@@ -75,8 +56,6 @@ PythonMap map_along(const PythonModel& implant, const py::handle& object, const 
 struct CertifiedWay {
   PythonMap map;
   std::vector<InsertionCertificate> certificates;
-
-  static constexpr std::size_t members = 2;
 };
 
 CertifiedWay certified_map_along(const PythonModel& implant, const py::handle& object, const py::handle& path,
@@ -102,9 +81,7 @@ bool is_proved(const CertifiedWay& self, const PythonModel& implant, const py::h
         fmt::format("points: are {}, and the certificates are of {}", bone.size(), self.certificates.size()));
   const auto lo = self.map.lo.unchecked<1>();
   const auto hi = self.map.hi.unchecked<1>();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const InsertionChecker checker(exact, way);
     for (std::size_t i = 0; i < bone.size(); ++i) {
       const auto row = static_cast<py::ssize_t>(i);
@@ -121,8 +98,6 @@ struct CertifiedMeshClearance {
   CertifiedWay vertices;
   Enclosure smallest_distance;
   WaySurfaceCertificate certificate;
-
-  static constexpr std::size_t members = 3;
 };
 
 std::vector<Enclosure> distances_of(const std::vector<MapResult>& rows) {
@@ -165,9 +140,7 @@ bool is_clearance_proved(const CertifiedMeshClearance& self, const PythonModel& 
                                       certificates.size()));
   const auto lo = map.lo.unchecked<1>();
   const auto hi = map.hi.unchecked<1>();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const InsertionChecker checker(exact, way);
     std::vector<Enclosure> proven;
     for (std::size_t i = 0; i < bone.vertices.size() && !interrupted(); ++i) {
@@ -260,9 +233,7 @@ CertifiedRemovedVolume certified_volume(const PythonModel& implant, const py::ha
                                         const std::optional<double>& relative_tolerance) {
   const WayIntoBone way = way_into_bone("certified_removed_volume", implant, path, cavity, within, bone, resection);
   const RemovedVolume found = removed_along(way, relative_tolerance);
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     return verisq::certified_removed_volume(way.path, way.implant, way.bone, found, {.interrupted = interrupted});
   });
 }
@@ -272,9 +243,7 @@ bool is_volume_proved(const CertifiedRemovedVolume& self, const PythonModel& imp
                       const py::object& resection) {
   const WayIntoBone way = way_into_bone("is_proved", implant, path, cavity, within, bone, resection);
   const RemovedVolumeChecker checker(way.implant, way.path, way.bone);
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     const ProvenRemovedVolume proven = checker(self.certificate, {.interrupted = interrupted});
     return !proven.interrupted && self.volume.lo <= proven.volume.lo && proven.volume.hi <= self.volume.hi;
   });

@@ -7,7 +7,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -73,8 +72,6 @@ struct PythonPoseUncertainty {
   double rotation;  ///< in degrees
   Point centre;
   unsigned divisions;
-
-  static constexpr std::size_t members = 4;
 
   [[nodiscard]] bool operator==(const PythonPoseUncertainty&) const = default;
   [[nodiscard]] PoseUncertainty bounds() const { return {translation, radians_up(rotation), centre}; }

@@ -5,7 +5,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <cstddef>
 #include <exception>
 #include <string>
 #include <utility>
@@ -52,9 +51,6 @@ void declare_errors(py::module_& module) {
   module.attr("Error") = type;
   py::register_exception_translator(translate);
 }
-
-template <>
-inline constexpr std::size_t member_count<DeviceReport> = 7;
 
 namespace {
 

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -119,6 +120,16 @@ auto without_lock(const Interruption& interruption, const Work& work) {
   return result;
 }
 
+/// True once the work is to end.
+using Interrupted = std::function<bool()>;
+
+/// The same with an interruption of its own, which `work` polls.
+template <std::invocable<Interrupted> Work>
+auto without_lock(const Work& work) {
+  Interruption interruption;
+  return without_lock(interruption, [&] { return work(interruption.poll()); });
+}
+
 // NumPy arrays as queries: where they lie if they are binary64, else widened where that is exact.
 
 /// Numbers of one shape; -1 stands for any length. The array itself, whatever its strides, if it holds aligned binary64
@@ -225,8 +236,6 @@ struct PythonMesh {
 struct PythonAnswer {
   Answer answer;
   std::string name = "answer";  ///< stands for its file in messages
-
-  static constexpr std::size_t members = 2;
 };
 
 /// The units that the first of these model files names; "" where none does. Throws Error(input).
@@ -237,8 +246,6 @@ struct PythonAnswer {
 /// One for each row, in the order of the map.
 struct CertificateList {
   std::vector<Certificate> certificates;
-
-  static constexpr std::size_t members = 1;
 };
 
 // The class verisq.ClosestPointMap, and what fills it.
@@ -248,8 +255,6 @@ struct PythonClosestPoints {
   pybind11::array points;
   std::vector<ClosestPoint> rows;
   ClosestPointSummary summary;
-
-  static constexpr std::size_t members = 3;
 };
 
 /// Of an array of shape (N, 3), without Python's lock; the tolerance in model units.
@@ -268,8 +273,6 @@ struct PythonMap {
   std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
   MapSummary summary;
   double tolerance;
-
-  static constexpr std::size_t members = 6;
 };
 
 /// Of so many rows, which are not set.

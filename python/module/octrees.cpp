@@ -5,15 +5,12 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/device.hpp>
@@ -24,15 +21,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<OctreeRoot> = 2;
-template <>
-inline constexpr std::size_t member_count<OctreeLevel> = 3;
-template <>
-inline constexpr std::size_t member_count<OctreeCube> = 3;
-template <>
-inline constexpr std::size_t member_count<OctreeSummary> = 10;
-
 namespace {
 
 namespace py = pybind11;
@@ -41,8 +29,6 @@ struct PythonOctree {
   OctreeSummary summary;
   std::vector<OctreeCube> cubes;
   bool complete;
-
-  static constexpr std::size_t members = 3;
 };
 
 PythonOctree octree(const PythonModel& model, const std::optional<int>& depth, const std::optional<double>& tolerance,
@@ -110,9 +96,7 @@ void save(const PythonOctree& self, const std::filesystem::path& path, bool whit
 
 bool is_proved(const PythonOctree& self, const PythonModel& model) {
   const OctreeChecker checker(model.exact("octree"), self.summary.root, self.cubes);
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  return without_lock(interruption, [&] {
+  return without_lock([&](const Interrupted& interrupted) {
     return std::ranges::all_of(
         checker.cubes(), [&](const ColouredCube& cube) { return !interrupted() && checker.proves(cube, interrupted); });
   });

@@ -15,42 +15,47 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-#include <verisq/checker.hpp>
-#include <verisq/clearance.hpp>
-#include <verisq/deviation.hpp>
-#include <verisq/distance.hpp>
-#include <verisq/enclosure.hpp>
-#include <verisq/features.hpp>
-#include <verisq/map.hpp>
-#include <verisq/model.hpp>
-#include <verisq/penetration.hpp>
 #include <verisq/version.hpp>
 
 namespace verisq::python {
 
-// How results are pickled and copied: as tuples of what their structs are made of, bit for bit.
-
-/// Of an aggregate that is pickled member by member; a wrong number does not compile, so that none is forgotten. The
-/// module's own structs say it themselves: `static constexpr std::size_t members = 3`.
-template <class T>
-inline constexpr std::size_t member_count = 0;
-
-template <class T>
-concept CountsItsMembers = requires {
-  T::members;
+/// Converts to any member of a struct, so that the compiler can count how many a struct takes.
+struct AnyMember {
+  template <class T>
+  operator T() const;  // declared alone: only types are asked for
 };
 
-template <CountsItsMembers T>
-inline constexpr std::size_t member_count<T> = T::members;
+template <class T, std::size_t... I>
+constexpr bool takes(std::index_sequence<I...> /*members*/) {
+  return requires {
+    T{(static_cast<void>(I), AnyMember{})...};
+  };
+}
+
+inline constexpr std::size_t most_members = 16;
+
+/// The largest number of members that an aggregate takes: all of its own. One more than the most where it has more.
+template <class T, std::size_t most = most_members + 1>
+constexpr std::size_t count_members() {
+  if constexpr (most == 0 || takes<T>(std::make_index_sequence<most>())) {
+    return most;
+  } else {
+    return count_members<T, most - 1>();
+  }
+}
 
 template <class T>
-concept HasMembers = (member_count<T> != 0);
+inline constexpr std::size_t member_count = count_members<T>();
+
+/// Structs, which are pickled member by member.
+template <class T>
+concept HasMembers = std::is_class_v<T> && std::is_aggregate_v<T>;
 
 /// References to all members, in their order.
 template <HasMembers T>
 auto members(const T& value) {
   constexpr std::size_t count = member_count<T>;
-  static_assert(count <= 16);
+  static_assert(count <= most_members);
   if constexpr (count == 1) {
     const auto& [a] = value;
     return std::tie(a);
@@ -221,95 +226,5 @@ auto pickled() {
         return unpacked<T>(state[1]);
       });
 }
-
-// How many members the library's results have, and what they are made of: what pickling asks for.
-
-template <>
-inline constexpr std::size_t member_count<Enclosure> = 2;
-
-// Models
-
-template <>
-inline constexpr std::size_t member_count<Superquadric> = 3;
-template <>
-inline constexpr std::size_t member_count<Pose> = 2;
-template <>
-inline constexpr std::size_t member_count<Bend> = 2;
-template <>
-inline constexpr std::size_t member_count<Mesh> = 2;
-template <>
-inline constexpr std::size_t member_count<Primitive> = 5;
-template <>
-inline constexpr std::size_t member_count<SetExpression> = 3;
-template <>
-inline constexpr std::size_t member_count<Model> = 3;
-
-// Maps
-
-template <>
-inline constexpr std::size_t member_count<MapResult> = 2;
-template <>
-inline constexpr std::size_t member_count<MapSummary> = 14;
-template <>
-inline constexpr std::size_t member_count<Normal> = 2;
-template <>
-inline constexpr std::size_t member_count<Certificate> = 5;
-template <>
-inline constexpr std::size_t member_count<ClosestPoint> = 5;
-template <>
-inline constexpr std::size_t member_count<ClosestPointSummary> = 5;
-template <>
-inline constexpr std::size_t member_count<ClosestPoints> = 3;
-template <>
-inline constexpr std::size_t member_count<PointOnTriangle> = 2;
-template <>
-inline constexpr std::size_t member_count<MeshClearance> = 8;
-
-// Certificates of two models
-
-template <>
-inline constexpr std::size_t member_count<Separation> = 5;
-template <>
-inline constexpr std::size_t member_count<SectionPlane> = 3;
-template <>
-inline constexpr std::size_t member_count<DividedSeparation> = 4;
-template <>
-inline constexpr std::size_t member_count<EnclosingBall> = 5;
-template <>
-inline constexpr std::size_t member_count<SurroundedPrimitive> = 3;
-template <>
-inline constexpr std::size_t member_count<PairCertificate> = 8;
-template <>
-inline constexpr std::size_t member_count<DifferenceSurface> = 4;
-template <>
-inline constexpr std::size_t member_count<InnerBall> = 3;
-template <>
-inline constexpr std::size_t member_count<PartingTranslation> = 2;
-template <>
-inline constexpr std::size_t member_count<PenetrationCertificate> = 4;
-template <>
-inline constexpr std::size_t member_count<CertifiedPenetration> = 2;
-
-// Certificates of distances from triangles
-
-template <>
-inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
-template <>
-inline constexpr std::size_t member_count<TriangleProof> = 2;
-template <>
-inline constexpr std::size_t member_count<CertifiedPoint> = 2;
-template <>
-inline constexpr std::size_t member_count<SurfaceCover> = 3;
-
-// Features of femurs
-
-template <>
-inline constexpr std::size_t member_count<Feature> = 4;
-template <>
-inline constexpr std::size_t member_count<FrameAxis> = 2;
-template <>
-inline constexpr std::size_t member_count<FemurFrame> = 4;
-template <>
-inline constexpr std::size_t member_count<FemurFeatures> = 3;
 
 }  // namespace verisq::python

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/error.hpp>
@@ -62,8 +61,6 @@ struct PythonFindings {
   py::array_t<std::uint8_t> verdict;
   py::array_t<double> lo;
   py::array_t<double> hi;
-
-  static constexpr std::size_t members = 3;
 };
 
 template <class Query>
@@ -90,9 +87,7 @@ PythonFindings check(const Checker& checker, const std::vector<Query>& queries, 
   auto* const verdict = findings.verdict.mutable_data();
   auto* const proven_lo = findings.lo.mutable_data();
   auto* const proven_hi = findings.hi.mutable_data();
-  Interruption interruption;
-  const auto interrupted = interruption.poll();
-  without_lock(interruption, [&] {
+  without_lock([&](const Interrupted& interrupted) {
     for (std::size_t i = 0; i < queries.size() && !interrupted(); ++i) {
       const Finding finding = checker(queries[i], {rows.lo[i], rows.hi[i]}, rows.certificates[i], interrupted);
       verdict[i] = static_cast<std::uint8_t>(finding.verdict);

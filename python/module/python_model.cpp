@@ -357,9 +357,8 @@ bool is_closed(const PythonMesh& self) {
 
 PythonMesh mesh_of_model(const PythonModel& model, double deviation) {
   const Model& exact = model.exact("mesh_of_model");
-  Interruption interruption;
-  return without_lock(interruption, [&] {
-    return PythonMesh{model_mesh(exact, {.deviation = deviation, .interrupted = interruption.poll()}).mesh};
+  return without_lock([&](const Interrupted& interrupted) {
+    return PythonMesh{model_mesh(exact, {.deviation = deviation, .interrupted = interrupted}).mesh};
   });
 }
 

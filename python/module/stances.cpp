@@ -23,51 +23,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<stance::Quantity> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::Parameter> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Joint> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Body> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::ContactCylinder> = 16;
-template <>
-inline constexpr std::size_t member_count<stance::Controller> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::AppliedForce> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Model> = 6;
-template <>
-inline constexpr std::size_t member_count<stance::Bounce> = 8;
-template <>
-inline constexpr std::size_t member_count<stance::CylinderLoad> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Standing> = 6;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumCell> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::Equilibrium> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumClaims> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumPart> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::EquilibriumCertificate> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::EigenvalueEnclosure> = 3;
-template <>
-inline constexpr std::size_t member_count<stance::StabilityCell> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::Stability> = 7;
-template <>
-inline constexpr std::size_t member_count<stance::MotionContact> = 2;
-template <>
-inline constexpr std::size_t member_count<stance::MotionSlab> = 5;
-template <>
-inline constexpr std::size_t member_count<stance::Motion> = 9;
-
 namespace {
 
 namespace py = pybind11;
@@ -77,8 +32,6 @@ using Names = std::optional<std::vector<std::string>>;
 /// Immutable, as read.
 struct PythonStance {
   stance::Model model;
-
-  static constexpr std::size_t members = 1;
 };
 
 std::vector<std::uint32_t> chosen(const PythonStance& self, const Names& names) {
@@ -143,10 +96,9 @@ py::array_t<double> accelerations(const PythonStance& self, const Names& uncerta
   std::vector<stance::JointPosition> elsewhere;
   elsewhere.reserve(joints.size());
   for (const auto& [name, position] : joints) elsewhere.push_back(stance::joint_position(self.model, name, position));
-  Interruption interruption;
-  return rows_of(without_lock(interruption, [&] {
+  return rows_of(without_lock([&](const Interrupted& interrupted) {
     return stance::accelerations(self.model, over, stance::instant(self.model, how, elsewhere),
-                                 {.cells = cells, .interrupted = interruption.poll()});
+                                 {.cells = cells, .interrupted = interrupted});
   }));
 }
 
@@ -155,8 +107,8 @@ stance::Bounce bounce(const PythonStance& self, const std::string& cylinder, dou
   if (height == 0.0) throw py::value_error("height must be above 0");
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   const stance::Drop drop = stance::drop_of(self.model, stance::cylinder_of(self.model, cylinder), over, height);
-  Interruption interruption;
-  return without_lock(interruption, [&] { return stance::bounce(drop, {.interrupted = interruption.poll()}); });
+  return without_lock(
+      [&](const Interrupted& interrupted) { return stance::bounce(drop, {.interrupted = interrupted}); });
 }
 
 /// One of the model's ranges is narrower.
@@ -175,8 +127,6 @@ struct PythonEquilibrium {
   stance::Equilibrium found;
   std::vector<std::string> parameters;  ///< uncertain ones
   std::vector<std::string> cylinders;
-
-  static constexpr std::size_t members = 3;
 };
 
 /// What its certificate proves, and what its numbers are of.
@@ -184,8 +134,6 @@ struct PythonCertifiedEquilibrium {
   stance::EquilibriumClaims claims;
   stance::EquilibriumCertificate certificate;
   std::vector<std::string> cylinders;
-
-  static constexpr std::size_t members = 3;
 };
 
 stance::JointControl control_of(const std::string& word) {
@@ -206,10 +154,9 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonEquilibrium result{{}, {}, cylinders(self)};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
-  Interruption interruption;
-  result.found = without_lock(interruption, [&] {
+  result.found = without_lock([&](const Interrupted& interrupted) {
     return stance::equilibrium(self.model, over,
-                               {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+                               {.control = control_of(joints), .cells = cells, .interrupted = interrupted});
   });
   return result;
 }
@@ -371,8 +318,6 @@ void declare_equilibria(py::module_& module) {
 struct PythonStability {
   stance::Stability found;
   std::vector<std::string> parameters;  ///< uncertain ones
-
-  static constexpr std::size_t members = 2;
 };
 
 PythonStability stability(const PythonStance& self, const std::string& joints, const Names& uncertain,
@@ -381,10 +326,9 @@ PythonStability stability(const PythonStance& self, const std::string& joints, c
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonStability result{};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
-  Interruption interruption;
-  result.found = without_lock(interruption, [&] {
+  result.found = without_lock([&](const Interrupted& interrupted) {
     return stance::stability(self.model, over,
-                             {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+                             {.control = control_of(joints), .cells = cells, .interrupted = interrupted});
   });
   return result;
 }

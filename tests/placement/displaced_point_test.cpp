@@ -1,4 +1,6 @@
 /// Places of a point under uncertain motions, of all sizes that binary64 has, against places in long double.
+#include "verify/search/displaced_point.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "tests/oracle/random_cases.hpp"
-#include "verify/search/fit_box_bound.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -16,7 +16,6 @@ namespace verisq::stance {
 namespace {
 
 using Vector = Eigen::Vector3d;
-using IntervalVector = Eigen::Matrix<Interval, 3, 1>;
 
 bool contains(const Interval& a, double value) {
   return a.lower() <= value && value <= a.upper();
@@ -127,118 +126,6 @@ TEST(ContactDamping, SlopeHasABoundOverAWideRange) {
   EXPECT_LT(slopes.upper(), 0.7 * flattest);
 }
 
-// Geometry.
-
-/// The lowest point of both rims, by sampling and golden section around the best sample.
-Vector lowest_point(const Vector& centre, const Vector& axis, double radius, double half_length) {
-  const Vector u = axis.unitOrthogonal();
-  const Vector v = axis.cross(u);
-  Vector best(0.0, infinity, 0.0);
-  for (const double end : {-half_length, half_length}) {
-    for (int i = 0; i < 20000; ++i) {
-      const double angle = 2.0 * M_PI * i / 20000;
-      const Vector p = centre + end * axis + radius * (std::cos(angle) * u + std::sin(angle) * v);
-      if (p[1] < best[1]) best = p;
-    }
-  }
-  return best;
-}
-
-TEST(ContactGeometry, FindsTheLowestPointOfTheCylinder) {
-  Random random;
-  for (int i = 0; i < 50; ++i) {
-    const Vector centre(random(-1, 1), random(-1, 1), random(-1, 1));
-    const Vector axis = Vector(random(-1, 1), random(-1, 1), random(-1, 1)).normalized();
-    const double radius = random(0.02, 0.2);
-    const double half_length = random(0.0, 0.1);
-    const ContactGeometry<double> contact = contact_geometry<double>(centre, axis, radius, half_length);
-    const Vector lowest = lowest_point(centre, axis, radius, half_length);
-    EXPECT_NEAR(contact.penetration, -lowest[1], 1e-7);
-    EXPECT_LT((contact.point - lowest).norm(), 2e-3 * (radius + half_length) + 1e-6);
-  }
-}
-
-TEST(ContactGeometry, BoxesContainTheContactsOfTheirSamples) {
-  Random random;
-  for (int i = 0; i < 200; ++i) {
-    IntervalVector centre;
-    IntervalVector axis;
-    const Vector direction = Vector(random(-1, 1), random(-1, 1), random(-1, 1)).normalized();
-    const double width = std::pow(10.0, random(-6, -0.5));
-    for (int k = 0; k < 3; ++k) {
-      centre[k] = random.interval(-1, 1);
-      axis[k] = Interval(direction[k] - width, direction[k] + width);
-    }
-    const Interval radius = random.interval(0.02, 0.2);
-    const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, radius, Interval(0.05));
-    for (int j = 0; j < 50; ++j) {
-      const Vector c(random.within(centre[0]), random.within(centre[1]), random.within(centre[2]));
-      const Vector turned =
-          (direction + 0.5 * width * Vector(random(-1, 1), random(-1, 1), random(-1, 1))).normalized();
-      bool inside = true;
-      for (int k = 0; k < 3; ++k) inside = inside && contains(axis[k], turned[k]);
-      if (!inside) continue;
-      const ContactGeometry<double> contact = contact_geometry<double>(c, turned, random.within(radius), 0.05);
-      EXPECT_TRUE(encloses(area.penetration, contact.penetration));
-      for (int k = 0; k < 3; ++k) EXPECT_TRUE(encloses(area.point[k], contact.point[k]));
-    }
-  }
-}
-
-TEST(ContactGeometry, ALyingCylinderTouchesInALine) {
-  IntervalVector centre;
-  centre << Interval(0.5), Interval(0.03), Interval(0.2);
-  IntervalVector axis;
-  axis << Interval(0), Interval(0), Interval(1);
-  const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, Interval(0.04), Interval(0.05));
-  EXPECT_TRUE(contains(area.penetration, 0.04 - 0.03));
-  EXPECT_LT(area.penetration.upper() - area.penetration.lower(), 1e-16);
-  EXPECT_TRUE(contains(area.point[2], 0.2 - 0.05));
-  EXPECT_TRUE(contains(area.point[2], 0.2 + 0.05));
-  EXPECT_NEAR(area.point[2].lower(), 0.15, 1e-15);
-  EXPECT_NEAR(area.point[2].upper(), 0.25, 1e-15);
-  EXPECT_EQ(area.point[0].lower(), 0.5);
-  EXPECT_EQ(area.point[0].upper(), 0.5);
-}
-
-TEST(ContactGeometry, AStandingCylinderTouchesInADisc) {
-  IntervalVector centre;
-  centre << Interval(0), Interval(0.05), Interval(0);
-  IntervalVector axis;
-  axis << Interval(0), Interval(1), Interval(0);
-  const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, Interval(0.04), Interval(0.05));
-  for (const int k : {0, 2}) {
-    EXPECT_EQ(area.point[k].lower(), -0.04);
-    EXPECT_EQ(area.point[k].upper(), 0.04);
-  }
-  const ContactGeometry<double> middle = contact_geometry<double>(Vector(0, 0.05, 0), Vector(0, 1, 0), 0.04, 0.05);
-  EXPECT_EQ(middle.point, Vector(0, 0, 0));
-}
-
-TEST(ContactGeometry, DerivativesContainDifferenceQuotients) {
-  // By the tilt of the axis, across the lying position where |a_y| has its kink.
-  using D = Dual<Interval>;
-  const auto at = [](const auto& tilt) {
-    using T = std::decay_t<decltype(tilt)>;
-    const Eigen::Matrix<T, 3, 1> centre(T(0), T(0.03), T(0));
-    const Eigen::Matrix<T, 3, 1> axis(T(0), T(sin(tilt)), T(cos(tilt)));
-    return contact_geometry<T>(centre, axis, T(0.04), T(0.05)).penetration;
-  };
-  for (const Interval& tilts : {Interval(-0.2, 0.1), Interval(0.0, 0.3), Interval(-0.5, -0.4)}) {
-    const Interval slope = at(D::variable(tilts)).partial[0];
-    Random random;
-    for (int i = 0; i < 200; ++i) {
-      const double a = random.within(tilts);
-      const double b = random.within(tilts);
-      if (std::fabs(b - a) < 1e-6) continue;
-      const double quotient = (at(b) - at(a)) / (b - a);
-      EXPECT_LE(slope.lower(), quotient + 1e-9);
-      EXPECT_GE(slope.upper(), quotient - 1e-9);
-    }
-    EXPECT_LT(slope.upper() - slope.lower(), 1.0);
-  }
-}
-
 // Normal force.
 
 TEST(NormalForce, FollowsTheLaw) {
@@ -308,20 +195,6 @@ TEST(Friction, BoxesContainSamplesAndAreTight) {
   EXPECT_LE(coefficient.upper(), 2.3);
   EXPECT_LT(coefficient.upper() - sampled.upper(), 0.1);
   EXPECT_LT(sampled.lower() - coefficient.lower(), 0.1);
-}
-
-TEST(Friction, ForceIsLimitedInBothDirections) {
-  const FrictionLaw<double> law{0.9, 0.5, 0.1};
-  EXPECT_EQ(friction_force(law, 100.0, 0.0, 30.0), 30.0);
-  EXPECT_EQ(friction_force(law, 100.0, 0.0, 95.0), 90.0);
-  EXPECT_EQ(friction_force(law, 100.0, 0.0, -95.0), -90.0);
-  EXPECT_EQ(friction_force(law, 0.0, 0.0, 95.0), 0.0);
-  const Interval force = friction_force(FrictionLaw<Interval>{Interval(0.9), Interval(0.5), 0.1}, Interval(0, 100),
-                                        Interval(0), Interval(-200, 30));
-  EXPECT_TRUE(contains(force, -90.0));
-  EXPECT_TRUE(contains(force, 30.0));
-  EXPECT_NEAR(force.lower(), -90.0, 1e-12);
-  EXPECT_NEAR(force.upper(), 30.0, 1e-12);
 }
 
 }  // namespace

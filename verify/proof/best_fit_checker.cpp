@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -209,15 +208,12 @@ BestFitChecker::BestFitChecker(std::span<const Model> series, std::span<const Po
                                const BestFitClaim& claim) {
   require_claim(series, points, claim);
   try {
-    state_ = std::make_unique<State>(series, points, claim);
+    state_ = hidden<State>(series, points, claim);
   } catch (const std::domain_error&) {
     throw Error(ErrorKind::input, "implants, points, weights or range: too large for the arithmetic of a bound");
   }
   require(std::isfinite(state_->all_weights()), "weights: their sum over all points overflows");
 }
-BestFitChecker::~BestFitChecker() = default;
-BestFitChecker::BestFitChecker(BestFitChecker&&) noexcept = default;
-BestFitChecker& BestFitChecker::operator=(BestFitChecker&&) noexcept = default;
 
 ProvenBestFit BestFitChecker::operator()(const BestFitCertificate& certificate, const CheckOptions& options) const {
   struct Box {

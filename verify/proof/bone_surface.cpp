@@ -2,8 +2,6 @@
 /// side to side, their planes bound the part of the bone (docs/mathematics.md §23).
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <utility>
 
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"

@@ -1,7 +1,6 @@
 /// The balls of posed_superquadric.hpp.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 #include <vector>

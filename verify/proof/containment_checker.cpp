@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <verisq/clearance.hpp>
@@ -17,7 +16,6 @@
 #include "verify/proof/pair_checker.hpp"
 #include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
-#include "verify/solids/model.hpp"
 
 namespace verisq::verify {
 
@@ -225,13 +223,9 @@ struct ContainmentChecker::State {
 ContainmentChecker::ContainmentChecker(const Model& model, const Mesh& mesh) {
   verify::require_valid(model);
   if (model.csg) throw Error(ErrorKind::input, "containment: the model has set operations, not primitives alone");
-  state_ = std::make_unique<State>(model, mesh);
+  state_ = hidden<State>(model, mesh);
   if (state_->sides.rims() > 0) throw Error(ErrorKind::input, "containment: the mesh is not closed");
 }
-
-ContainmentChecker::~ContainmentChecker() = default;
-ContainmentChecker::ContainmentChecker(ContainmentChecker&&) noexcept = default;
-ContainmentChecker& ContainmentChecker::operator=(ContainmentChecker&&) noexcept = default;
 
 namespace {
 

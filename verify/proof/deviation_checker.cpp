@@ -1,6 +1,5 @@
 ///
 #include <algorithm>
-#include <utility>
 
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/check_steps.hpp"
@@ -118,10 +117,7 @@ struct DeviationChecker::State {
   verify::ProvenSamples samples;
 };
 
-DeviationChecker::DeviationChecker(const Model& model) : state_(std::make_unique<State>(model)) {}
-DeviationChecker::~DeviationChecker() = default;
-DeviationChecker::DeviationChecker(DeviationChecker&&) noexcept = default;
-DeviationChecker& DeviationChecker::operator=(DeviationChecker&&) noexcept = default;
+DeviationChecker::DeviationChecker(const Model& model) : state_(hidden<State>(model)) {}
 
 ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCertificate& certificate,
                                              const Options& options) const {
@@ -260,11 +256,8 @@ struct ContactChecker::State {
 
 ContactChecker::ContactChecker(const Model& model) {
   verify::require_valid(model);  // covers are of superquadrics, which a mesh's primitive has only as zeros
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-ContactChecker::~ContactChecker() = default;
-ContactChecker::ContactChecker(ContactChecker&&) noexcept = default;
-ContactChecker& ContactChecker::operator=(ContactChecker&&) noexcept = default;
 
 ProvenContact ContactChecker::operator()(const Mesh& mesh, const ContactTerms& terms,
                                          const ContactCertificate& certificate, const CheckOptions& options) const {

@@ -2,7 +2,6 @@
 #include "verify/proof/empty_neighbourhood.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <type_traits>
 

@@ -9,7 +9,6 @@
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq::verify {
 

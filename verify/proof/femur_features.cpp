@@ -1,33 +1,61 @@
-/// This file implements femur_features.hpp.
-#include "verify/proof/femur_features.hpp"
-
+/// A femur's features, enclosed, and their check.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
+#include <verisq/model.hpp>
 
 #include "verify/numbers/functions.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
+namespace {
 
+// Balls in which landmarks lie, and the cones of the directions between them.
+
+// T is the type of the ends: double or Real.
+
+/// The exact point. Precondition: finite.
+template <class T>
+Vector3<T> exact(const Point& x) {
+  return {T(x[0]), T(x[1]), T(x[2])};
+}
+
+/// All points within `radius` of a centre.
+template <class T>
+struct LandmarkBall {
+  Vector3<T> centre;
+  BasicInterval<T> radius;
+};
+
+/// The middle of the segments between the points of two balls.
 template <class T>
 LandmarkBall<T> middle_of(const LandmarkBall<T>& a, const LandmarkBall<T>& b) {
   const BasicInterval<T> half(T(0.5));
   return {(a.centre + b.centre) * half, (a.radius + b.radius) * half};
 }
 
+/// All vectors within `reach` of a centre: the differences of the points of two balls.
+template <class T>
+struct VectorBall {
+  Vector3<T> centre;
+  BasicInterval<T> reach;
+};
+
 template <class T>
 VectorBall<T> difference(const LandmarkBall<T>& to, const LandmarkBall<T>& from) {
   return {to.centre - from.centre, to.radius + from.radius};
 }
 
+/// asin of the part of x in [0, 1], pi / 2 beyond 1; the angle whose sine is at most x.
 template <class T>
 BasicInterval<T> arcsine(const BasicInterval<T>& x) {
   const BasicInterval<T> one(1);
@@ -35,6 +63,8 @@ BasicInterval<T> arcsine(const BasicInterval<T>& x) {
   return atan(x / sqrt((one - x) * (one + x)));
 }
 
+/// In radians: no vector of the ball tilts farther from the direction of its centre, and some vectors tilt as far. If
+/// the ball contains 0, nothing below pi is proven.
 template <class T>
 BasicInterval<T> tilt(const VectorBall<T>& v) {
   const BasicInterval<T> size = length(v.centre);
@@ -42,22 +72,13 @@ BasicInterval<T> tilt(const VectorBall<T>& v) {
   return arcsine(v.reach / size);
 }
 
+/// The angle between two vectors, in [0, pi].
 template <class T>
 BasicInterval<T> angle_between(const Vector3<T>& a, const Vector3<T>& b) {
   return polar_angle(a.dot(b), length(cross(a, b)));
 }
 
-template LandmarkBall<double> middle_of(const LandmarkBall<double>&, const LandmarkBall<double>&);
-template VectorBall<double> difference(const LandmarkBall<double>&, const LandmarkBall<double>&);
-template BasicInterval<double> arcsine(const BasicInterval<double>&);
-template BasicInterval<double> tilt(const VectorBall<double>&);
-template BasicInterval<double> angle_between(const Vector3<double>&, const Vector3<double>&);
-template LandmarkBall<Real> middle_of(const LandmarkBall<Real>&, const LandmarkBall<Real>&);
-template VectorBall<Real> difference(const LandmarkBall<Real>&, const LandmarkBall<Real>&);
-template BasicInterval<Real> arcsine(const BasicInterval<Real>&);
-template BasicInterval<Real> tilt(const VectorBall<Real>&);
-template BasicInterval<Real> angle_between(const Vector3<Real>&, const Vector3<Real>&);
-
+}  // namespace
 }  // namespace verisq::verify
 
 namespace verisq {
@@ -515,29 +536,22 @@ FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> si
   return FemurGeometry<double>::implant_changes(bone, side, landmark_radius, implant);
 }
 
-FemurFeatures verify::precise_femur_features(const FemurLandmarks& landmarks, std::optional<Side> side,
-                                             double landmark_radius) {
-  return FemurGeometry<Real>::femur_features(landmarks, side, landmark_radius);
-}
+namespace {
 
-std::optional<std::array<double, 3>> verify::precise_tilts(const FemurLandmarks& landmarks, std::optional<Side> side,
-                                                           double landmark_radius,
-                                                           const std::array<Point, 3>& directions) {
-  using Geometry = FemurGeometry<Real>;
-  const typename Geometry::Femur femur(landmarks, side, landmark_radius);
-  const auto frame = Geometry::frame_of(femur);
+// The same in 127-bit intervals, each end rounded outward to binary64, for comparison with claims.
+using PreciseGeometry = FemurGeometry<verify::Real>;
+
+/// For each of the frame's axes x, y, z: the largest angle in degrees by which the axis tilts from a direction. Nothing
+/// if the landmarks determine no frame. Precondition: finite, not 0.
+std::optional<std::array<double, 3>> precise_tilts(const FeatureClaims& claims,
+                                                   const std::array<Point, 3>& directions) {
+  const PreciseGeometry::Femur femur(claims.landmarks, claims.side, claims.landmark_radius);
+  const auto frame = PreciseGeometry::frame_of(femur);
   if (!frame) return std::nullopt;
   std::array<double, 3> tilts{};
-  for (std::size_t i = 0; i < tilts.size(); ++i) tilts[i] = Geometry::tilt_from(directions[i], (*frame)[i]);
+  for (std::size_t i = 0; i < tilts.size(); ++i) tilts[i] = PreciseGeometry::tilt_from(directions[i], (*frame)[i]);
   return tilts;
 }
-
-FemurFeatures verify::precise_implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
-                                              double landmark_radius, const FemurLandmarks& implant) {
-  return FemurGeometry<Real>::implant_changes(bone, side, landmark_radius, implant);
-}
-
-namespace {
 
 constexpr Finding nothing_known{Verdict::unproved, {-infinity, infinity}};
 
@@ -562,8 +576,7 @@ std::array<Finding, 3> judged(const FemurFrame& claim, const FeatureClaims& clai
     return verify::usable({x, y, z});
   };
   if (claims.landmarks.head_centre != claim.origin || !std::ranges::all_of(axes, has_direction)) return findings;
-  const auto tilts = verify::precise_tilts(claims.landmarks, claims.side, claims.landmark_radius,
-                                           {claim.x.direction, claim.y.direction, claim.z.direction});
+  const auto tilts = precise_tilts(claims, {claim.x.direction, claim.y.direction, claim.z.direction});
   for (std::size_t i = 0; tilts && i < axes.size(); ++i) {
     const double tilt = (*tilts)[i];
     findings[i] = {tilt <= axes[i]->tilt_degrees ? Verdict::proved : Verdict::unproved, {0.0, tilt}};
@@ -582,12 +595,10 @@ std::vector<Finding> FeatureFindings::all() const {
 
 FeatureFindings check(const FeatureClaims& claims) {
   const auto& [landmarks, side, radius, features, frame, implant, changes] = claims;
-  const FemurFeatures proven = verify::precise_femur_features(landmarks, side, radius);
+  const FemurFeatures proven = PreciseGeometry::femur_features(landmarks, side, radius);
   FeatureFindings findings{judged(features, proven), {}, std::vector<Finding>(changes.size(), nothing_known)};
   if (frame) findings.frame = judged(*frame, claims);
-  if (implant) {
-    findings.changes = judged(changes, verify::precise_implant_changes(landmarks, side, radius, *implant));
-  }
+  if (implant) findings.changes = judged(changes, PreciseGeometry::implant_changes(landmarks, side, radius, *implant));
   return findings;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/multipliers.hpp"

@@ -182,11 +182,7 @@ struct PairChecker::State {
   verify::ModelPair models;
 };
 
-PairChecker::PairChecker(const Model& a, const Model& b)
-    : state_(std::make_unique<State>(State{verify::ModelPair(a, b)})) {}
-PairChecker::~PairChecker() = default;
-PairChecker::PairChecker(PairChecker&&) noexcept = default;
-PairChecker& PairChecker::operator=(PairChecker&&) noexcept = default;
+PairChecker::PairChecker(const Model& a, const Model& b) : state_(hidden<State>(State{verify::ModelPair(a, b)})) {}
 
 Enclosure PairChecker::prove(const Pose& pose, const PairCertificate& certificate,
                              const std::function<bool()>& interrupted) const {
@@ -224,11 +220,8 @@ struct PathChecker::State {
 PathChecker::PathChecker(const Model& a, const Model& b, std::span<const Pose> path) {
   check_path(path);
   check_turns(path);
-  state_ = std::make_unique<State>(State{verify::ModelPair(a, b), verify::PosedPath(path)});
+  state_ = hidden<State>(State{verify::ModelPair(a, b), verify::PosedPath(path)});
 }
-PathChecker::~PathChecker() = default;
-PathChecker::PathChecker(PathChecker&&) noexcept = default;
-PathChecker& PathChecker::operator=(PathChecker&&) noexcept = default;
 
 double PathChecker::lower(double begin, const PathPart& part) const {
   return state_->lower(begin, part, {});

@@ -8,13 +8,11 @@
 #include <iterator>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/numbers/vector.hpp"
 #include "verify/proof/check_steps.hpp"
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/volume_in_cube.hpp"
@@ -278,14 +276,11 @@ struct RemovedVolumeChecker::State {
 RemovedVolumeChecker::RemovedVolumeChecker(const Model& implant, std::span<const Pose> path, const BoneRegion& bone) {
   check_removed_volume_case(implant, path, bone);
   try {
-    state_ = std::make_unique<State>(implant, path, bone);
+    state_ = hidden<State>(implant, path, bone);
   } catch (const std::domain_error&) {
     throw Error(ErrorKind::input, "removed volume: numbers of the implant, the path or the bone overflow");
   }
 }
-RemovedVolumeChecker::~RemovedVolumeChecker() = default;
-RemovedVolumeChecker::RemovedVolumeChecker(RemovedVolumeChecker&&) noexcept = default;
-RemovedVolumeChecker& RemovedVolumeChecker::operator=(RemovedVolumeChecker&&) noexcept = default;
 
 const std::vector<std::size_t>& RemovedVolumeChecker::rims() const {
   return state_->rims;

@@ -362,12 +362,8 @@ SideChecker::SideChecker(const Model& model, const Mesh& surface, double penetra
                 fmt::format("sides: penetration limit: must be finite and at least 0, not {}", penetration_limit));
   }
   verify::require_valid_with_meshes(model);
-  state_ = std::make_unique<State>(model, surface, penetration_limit);
+  state_ = hidden<State>(model, surface, penetration_limit);
 }
-
-SideChecker::~SideChecker() = default;
-SideChecker::SideChecker(SideChecker&&) noexcept = default;
-SideChecker& SideChecker::operator=(SideChecker&&) noexcept = default;
 
 std::optional<bool> SideChecker::faces_outward() const {
   return state_->surface.faces_outward();

@@ -325,8 +325,7 @@ struct SolidField::State {
   mutable std::array<Shard, shards> all;
 };
 
-SolidField::SolidField(const Model& model, const Point& centre) : state_(std::make_unique<State>(model, centre)) {}
-SolidField::~SolidField() = default;
+SolidField::SolidField(const Model& model, const Point& centre) : state_(hidden<State>(model, centre)) {}
 
 const Point& SolidField::centre() const {
   return state_->centre;

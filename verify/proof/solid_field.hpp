@@ -4,15 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/fit.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -125,7 +124,6 @@ class SolidField {
  public:
   /// Precondition: a union of convex primitives, at least one.
   SolidField(const Model& model, const Point& centre);
-  ~SolidField();
   SolidField(const SolidField&) = delete;
   SolidField& operator=(const SolidField&) = delete;
 
@@ -144,7 +142,7 @@ class SolidField {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq::verify

@@ -11,7 +11,6 @@
 #include "verify/solids/superquadric.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 double middle_of(const Interval& a, const Interval& b) {
@@ -107,8 +106,7 @@ std::optional<Tangent> tangent_over(const PlaneVector& direction, const PlaneVec
   return Tangent{forward / size, aside / forward, {x * by_share, y * by_share}};
 }
 
-}  // namespace
-
+/// Nothing unless both tangents are proven to point forward along the chord.
 std::optional<ArcBounds> bounds_of(const PlaneArc& arc) {
   const PlaneVector chord{arc.to[0] - arc.from[0], arc.to[1] - arc.from[1]};
   const Interval length = sqrt(square(chord[0]) + square(chord[1]));
@@ -127,8 +125,6 @@ std::optional<ArcBounds> bounds_of(const PlaneArc& arc) {
                    (length * Interval(steepest) / Interval(2)).upper(),
                    {hull(first->speed[0], last->speed[0]), hull(first->speed[1], last->speed[1])}};
 }
-
-namespace {
 
 constexpr double no_bound = std::numeric_limits<double>::infinity();
 

@@ -102,9 +102,6 @@ struct ArcBounds {
   PlaneVector speed;
 };
 
-/// Nothing unless both tangents are proven to point forward along the chord.
-[[nodiscard]] std::optional<ArcBounds> bounds_of(const PlaneArc& arc);
-
 // How large a patch is, and how evenly its parameters cover it (docs/mathematics.md §20).
 
 /// With (u, t) in [0, 1]² the shares of both chords, a patch's point stands over its foot, and over the point of the

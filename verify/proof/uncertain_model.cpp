@@ -13,7 +13,6 @@
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 /// Rounded twice to one side, which is rounded once.
@@ -58,7 +57,6 @@ double MemberBounds::unsigned_lower(double of_largest) const {
 }  // namespace verisq::verify
 
 namespace verisq {
-
 namespace {
 
 using namespace verify;

@@ -63,11 +63,8 @@ struct InsertionChecker::State {
 InsertionChecker::InsertionChecker(const Model& implant, std::span<const Pose> path) {
   verify::require_valid(implant);  // the path's seat is that of superquadrics
   check_path(path);
-  state_ = std::make_unique<State>(implant, path);
+  state_ = hidden<State>(implant, path);
 }
-InsertionChecker::~InsertionChecker() = default;
-InsertionChecker::InsertionChecker(InsertionChecker&&) noexcept = default;
-InsertionChecker& InsertionChecker::operator=(InsertionChecker&&) noexcept = default;
 
 Finding InsertionChecker::operator()(const Point& point, const Enclosure& claimed,
                                      const InsertionCertificate& certificate,
@@ -182,11 +179,8 @@ struct WaySurfaceChecker::State {
 WaySurfaceChecker::WaySurfaceChecker(const Model& implant, std::span<const Pose> path, const Mesh& bone) {
   check_path(path);
   if (bone.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
-  state_ = std::make_unique<State>(implant, path, bone);
+  state_ = hidden<State>(implant, path, bone);
 }
-WaySurfaceChecker::~WaySurfaceChecker() = default;
-WaySurfaceChecker::WaySurfaceChecker(WaySurfaceChecker&&) noexcept = default;
-WaySurfaceChecker& WaySurfaceChecker::operator=(WaySurfaceChecker&&) noexcept = default;
 
 Finding WaySurfaceChecker::operator()(std::span<const Enclosure> of_vertices, const Enclosure& claimed,
                                       const WaySurfaceCertificate& certificate, const CheckOptions& options) const {

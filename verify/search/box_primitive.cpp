@@ -359,11 +359,8 @@ bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_wi
 }
 
 BoxPrimitive::BoxPrimitive(const Primitive& primitive)
-    : state_(primitive.mesh ? nullptr : std::make_unique<State>(primitive)),
-      mesh_(primitive.mesh ? std::make_unique<PosedMesh>(primitive) : nullptr) {}
-BoxPrimitive::~BoxPrimitive() = default;
-BoxPrimitive::BoxPrimitive(BoxPrimitive&&) noexcept = default;
-BoxPrimitive& BoxPrimitive::operator=(BoxPrimitive&&) noexcept = default;
+    : state_(primitive.mesh ? nullptr : hidden<State>(primitive)),
+      mesh_(primitive.mesh ? hidden<PosedMesh>(primitive) : nullptr) {}
 
 Colour BoxPrimitive::colour(const Cube& cube) const {
   if (mesh_) return verify::colour(*mesh_, cube);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "verify/numbers/functions.hpp"
 #include "verify/numbers/interval.hpp"

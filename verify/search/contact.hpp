@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <limits>
 #include <tuple>
-#include <utility>
 
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/solids/superquadric.hpp"

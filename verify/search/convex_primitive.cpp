@@ -18,7 +18,6 @@
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 /// If a proposal leaves a width of more than this, in units of the largest length involved, a better one is worth it.
@@ -110,6 +109,8 @@ PrimitiveDistance exterior_distance(const Superquadric& solid, const Superquadri
   return *best;
 }
 
+namespace {
+
 // The proof that the faces of the polyhedron bound the depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid
 // K, and c >= 0 with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i
 // >= 0, and t Σ l_i <= c·v <= |v| <= t. So q + v lies in the hull of q and the q + d_i, which lies in K. If cones cover
@@ -117,8 +118,6 @@ PrimitiveDistance exterior_distance(const Superquadric& solid, const Superquadri
 // best c points at the point of the triangle d1 d2 d3 closest to q, and then t is the distance to it. The gap to the
 // surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere. For a tapered
 // solid g is monotone in |x| and |y| alone: cones cover z < 0, too, where d_i and c have z <= 0.
-
-namespace {
 
 using Vector = Coordinates<double>;
 
@@ -276,13 +275,12 @@ class Polyhedron {
   std::map<std::pair<int, int>, int> middles_;
 };
 
-}  // namespace
-
+/// Depth of q, the largest t with B(q, t) inside the solid. Preconditions: q >= 0 in the solid's own frame, but for z
+/// of a tapered solid; g(q) <= 1 proven by the caller; largest semi-axis in [1, 2) and none below 1e-200. With
+/// `planar`, q[1] must be 0 and the solid one of revolution about z: the section y = 0 then decides.
 Depth enclose_depth(const Superquadric& solid, const std::array<double, 3>& q, bool planar, const DepthGoal& goal) {
   return Polyhedron(solid, q).enclose(planar, goal);
 }
-
-namespace {
 
 /// Enough for a continuum of nearest boundary points at 1e-6; continua of revolution are reduced before.
 constexpr int kBudget = 50'000;

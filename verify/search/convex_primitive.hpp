@@ -34,12 +34,6 @@ struct DepthGoal {
   int budget;        ///< points of the surface to prove at most
 };
 
-/// Depth of q, the largest t with B(q, t) inside the solid. Preconditions: q >= 0 in the solid's own frame, but for z
-/// of a tapered solid; g(q) <= 1 proven by the caller; largest semi-axis in [1, 2) and none below 1e-200. With
-/// `planar`, q[1] must be 0 and the solid one of revolution about z: the section y = 0 then decides.
-[[nodiscard]] Depth enclose_depth(const Superquadric& solid, const std::array<double, 3>& q, bool planar,
-                                  const DepthGoal& goal);
-
 // Signed distance of points inside one superquadric.
 
 /// The distance for every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or

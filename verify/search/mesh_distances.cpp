@@ -2,7 +2,6 @@
 #include "verify/search/mesh_distances.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -361,9 +360,7 @@ class MeshSearch::Pieces {
 
 MeshSearch::MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
                        const MeshRegions& regions)
-    : pieces_(std::make_unique<Pieces>(mesh, at_vertices, search, regions)) {}
-
-MeshSearch::~MeshSearch() = default;
+    : pieces_(hidden<Pieces>(mesh, at_vertices, search, regions)) {}
 
 void MeshSearch::search_largest() {
   pieces_->search_largest();

@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "verisq/clearance.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
@@ -65,9 +65,6 @@ class MeshSearch {
   /// the mesh has triangles; as many enclosures as vertices, each of which may be unbounded.
   MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
              const MeshRegions& regions = {});
-  ~MeshSearch();
-  MeshSearch(const MeshSearch&) = delete;
-  MeshSearch& operator=(const MeshSearch&) = delete;
 
   /// Until the largest distance is narrow.
   void search_largest();
@@ -90,7 +87,7 @@ class MeshSearch {
 
  private:
   class Pieces;
-  std::unique_ptr<Pieces> pieces_;
+  Hidden<Pieces> pieces_;
 };
 
 }  // namespace verisq::verify

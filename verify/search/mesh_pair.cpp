@@ -1,10 +1,8 @@
-/// This file implements mesh_pair.hpp.
+/// Distances of models to models with meshes.
 #include "verify/search/mesh_pair.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "verify/numbers/functions.hpp"
@@ -13,318 +11,14 @@
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verify/search/triangle_geometry.hpp"
+#include "verify/search/rounded_motion.hpp"
 #include "verify/solids/model.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-/// Two triangles about the first corner of one. Differences of binary64 numbers round by u = 2^-53, relatively.
-struct SeenPair {
-  std::array<Point, 3> a;
-  std::array<Point, 3> b;
-  double magnitude = 0.0;  ///< M: no corner's sum of magnitudes is larger, but for rounding
-
-  SeenPair(const Triangle& first, const Triangle& second) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      a[k] = difference(first[k], first[0]);
-      b[k] = difference(second[k], first[0]);
-      for (const Point& corner : {a[k], b[k]})
-        magnitude = std::max(magnitude, std::abs(corner[0]) + std::abs(corner[1]) + std::abs(corner[2]));
-    }
-  }
-};
-
-/// Squares below it may underflow: no vector so short is a normal.
-constexpr double least_square = 0x1p-900;
-/// More than what underflows anywhere in these sums may hide, whose roots are below 2^-530.
-constexpr double underflow_of_length = 0x1p-500;
-
-/// For any n, a lies in {n·x >= least} and b in {n·x <= most}: they are at least (least - most)/|n| apart. A product
-/// n·x of a rounded difference is off by 4.1 u |n| M, two of them by 8.2 u |n| M; their difference, the root and the
-/// quotient round by 5 u of the result. The factor takes off 8 u, the last term 16 u M.
-double lower_by(const SeenPair& pair, const Point& n) {
-  const double square = dot(n, n);
-  if (!(square >= least_square)) return 0.0;
-  const double least = std::min({dot(n, pair.a[0]), dot(n, pair.a[1]), dot(n, pair.a[2])});
-  const double most = std::max({dot(n, pair.b[0]), dot(n, pair.b[1]), dot(n, pair.b[2])});
-  const double lower =
-      (least - most) / std::sqrt(square) * (1.0 - 0x1p-50) - 0x1p-49 * pair.magnitude - underflow_of_length;
-  return lower > 0.0 && lower < infinity ? lower : 0.0;
-}
-
-double between_0_and_1(double share) {
-  return share > 0.0 ? std::min(share, 1.0) : 0.0;  // 0 for NaN
-}
-
-/// From a point of the side of b to one of the side of a, about as near as they get.
-/// Ericson, Real-Time Collision Detection (2005), 5.1.9.
-Point way_between_sides(const Point& from_a, const Point& to_a, const Point& from_b, const Point& to_b) {
-  const Point along_a = difference(to_a, from_a);
-  const Point along_b = difference(to_b, from_b);
-  const Point apart = difference(from_a, from_b);
-  const double a = dot(along_a, along_a);
-  const double e = dot(along_b, along_b);
-  const double b = dot(along_a, along_b);
-  const double c = dot(along_a, apart);
-  const double f = dot(along_b, apart);
-  double s = between_0_and_1((b * f - c * e) / (a * e - b * b));
-  const double t = between_0_and_1((b * s + f) / e);
-  s = between_0_and_1((b * t - c) / a);
-  Point way;
-  for (std::size_t i = 0; i < 3; ++i) way[i] = (from_a[i] + s * along_a[i]) - (from_b[i] + t * along_b[i]);
-  return way;
-}
-
-/// The ends of the way lie on the sides, off by at most: each corner 1 u M, each difference of corners 2 u M + 2 u M,
-/// its product 2 u M, each sum 3 u M, and the way 6 u M: less than 32 u M in length. The length rounds by 3 u.
-double length_up(const Point& way, double magnitude) {
-  const double length = std::sqrt(dot(way, way)) * (1.0 + 0x1p-50) + 0x1p-48 * magnitude + underflow_of_length;
-  return length >= 0.0 ? length : infinity;
-}
-
-/// The bounds so far, and the way that is proposed as the normal.
-struct BestWay {
-  Enclosure distance{0.0, infinity};
-  Point way{};
-};
-
-/// A pair of closest points lies in a corner of one and the other triangle, or in a side of each, unless they cross.
-BestWay by_features(const SeenPair& seen, const Triangle& a, const Triangle& b) {
-  BestWay best;
-  const auto offer = [&](double upper, const Point& way) {
-    if (upper < best.distance.hi) best = {{0.0, upper}, way};
-  };
-  for (std::size_t k = 0; k < 3; ++k) {
-    const DistanceBounds of_a = distance_bounds(a[k], b);
-    offer(of_a.upper, {-of_a.way[0], -of_a.way[1], -of_a.way[2]});
-    const DistanceBounds of_b = distance_bounds(b[k], a);
-    offer(of_b.upper, of_b.way);
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Point way = way_between_sides(seen.a[i], seen.a[(i + 1) % 3], seen.b[j], seen.b[(j + 1) % 3]);
-      offer(length_up(way, seen.magnitude), way);
-    }
-  }
-  return best;
-}
-
-/// Normals of both faces, and of both sides of each pair.
-double lower_by_normals(const SeenPair& seen, double lower) {
-  const auto offer = [&](const Point& n) {
-    lower = std::max({lower, lower_by(seen, n), lower_by(seen, {-n[0], -n[1], -n[2]})});
-  };
-  std::array<Point, 3> sides_a;
-  std::array<Point, 3> sides_b;
-  for (std::size_t k = 0; k < 3; ++k) {
-    sides_a[k] = difference(seen.a[(k + 1) % 3], seen.a[k]);
-    sides_b[k] = difference(seen.b[(k + 1) % 3], seen.b[k]);
-  }
-  offer(cross(sides_a[0], sides_a[1]));
-  offer(cross(sides_b[0], sides_b[1]));
-  for (const Point& a : sides_a)
-    for (const Point& b : sides_b) offer(cross(a, b));
-  return lower;
-}
-
-/// True proves that the segment passes through the triangle: its ends lie on both sides of the plane, and the line
-/// leaves the three sides on one hand, or meets them.
-bool passes_through(const Point& from, const Point& to, const Triangle& triangle) {
-  if (orientation(triangle, from) * orientation(triangle, to) >= 0) return false;
-  int least = 1;
-  int most = -1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const int side = orientation({from, to, triangle[k]}, triangle[(k + 1) % 3]);
-    least = std::min(least, side);
-    most = std::max(most, side);
-  }
-  return least * most >= 0;
-}
-
-bool cross_each_other(const Triangle& a, const Triangle& b) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (passes_through(a[k], a[(k + 1) % 3], b) || passes_through(b[k], b[(k + 1) % 3], a)) return true;
-  }
-  return false;
-}
-
-/// Below it a gap is worth more normals.
-constexpr double tight = 0x1p-44;
-
-}  // namespace
-
-Enclosure distance_of_triangles(const Triangle& a, const Triangle& b) {
-  const SeenPair seen(a, b);
-  const BestWay best = by_features(seen, a, b);
-  Enclosure distance = best.distance;
-  distance.lo = lower_by(seen, best.way);
-  if (distance.width() <= tight * (distance.hi + seen.magnitude)) return distance;
-  distance.lo = lower_by_normals(seen, distance.lo);
-  if (!(distance.lo > 0.0) && cross_each_other(a, b)) return {0.0, 0.0};
-  return distance;
-}
-
-namespace {
-
-/// A ball about a point that holds a triangle.
-struct Ball {
-  Point centre;
-  double radius;  ///< rounded up
-};
-
-Ball ball_about(const Triangle& triangle) {
-  Ball ball{{}, 0.0};
-  for (const Point& corner : triangle)
-    for (std::size_t i = 0; i < 3; ++i) ball.centre[i] += corner[i] / 3.0;
-  for (const Point& corner : triangle) {
-    const Point way = difference(corner, ball.centre);
-    ball.radius = std::max(ball.radius, length(way[0], way[1], way[2]) * (1.0 + 0x1p-48) + 0x1p-1000);
-  }
-  return ball;
-}
-
-/// Bounds how far the centre of a ball about a triangle with no larger coordinate is from its middle: three quotients
-/// and two sums round a coordinate by less than 4 u of it.
-double rounding_of_middle(double largest) {
-  return 0x1p-50 * largest;
-}
-
-/// Searches the pairs of near triangles; all others are farther than the upper end.
-class NearestTriangles {
- public:
-  NearestTriangles(std::span<const Triangle> triangles, const WideTree& tree) : triangles_(triangles), tree_(tree) {}
-
-  Enclosure operator()(const std::function<bool()>& interrupted) {
-    bound_by_balls();
-    std::vector<std::size_t> order(triangles_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t n) { return lower_[n]; });
-    for (const std::size_t n : order) {
-      // This one and all that follow are at least so far; as far as the upper end is enough.
-      if (!(lower_[n] < found_.hi)) break;
-      if (interrupted && interrupted()) return {0.0, found_.hi};
-      search(n);
-      if (found_.hi == 0.0) return {0.0, 0.0};
-    }
-    return {std::min(least_, found_.hi), found_.hi};
-  }
-
- private:
-  /// The nearest triangle to each centre gives a first upper end, too.
-  void bound_by_balls() {
-    std::optional<std::uint32_t> hint;
-    for (const Triangle& triangle : triangles_) {
-      balls_.push_back(ball_about(triangle));
-      const WideTree::Nearest nearest = tree_.nearest(balls_.back().centre, hint);
-      hint = nearest.triangle;
-      lower_.push_back(std::max(0.0, (Interval(nearest.distance.lo) - Interval(balls_.back().radius)).lower()));
-      found_.hi = std::min(found_.hi, (Interval(nearest.distance.hi) + Interval(balls_.back().radius)).upper());
-    }
-  }
-
-  void search(std::size_t n) {
-    near_.clear();
-    tree_.within(balls_[n].centre, (Interval(found_.hi) + Interval(balls_[n].radius)).upper(), near_);
-    for (const std::uint32_t other : near_) {
-      const Enclosure distance = distance_of_triangles(triangles_[n], tree_.triangle(other));
-      least_ = std::min(least_, distance.lo);
-      found_.hi = std::min(found_.hi, distance.hi);
-      if (found_.hi == 0.0) return;
-    }
-  }
-
-  std::span<const Triangle> triangles_;
-  const WideTree& tree_;
-  std::vector<Ball> balls_;
-  std::vector<double> lower_;  ///< of the distance of each triangle
-  std::vector<std::uint32_t> near_;
-  double least_ = infinity;  ///< of the lower ends of all pairs that were looked at
-  Enclosure found_{0.0, infinity};
-};
-
-}  // namespace
-
-Enclosure distance_of_triangles(std::span<const Triangle> triangles, const WideTree& tree,
-                                const std::function<bool()>& interrupted) {
-  return NearestTriangles(triangles, tree)(interrupted);
-}
-
-namespace {
-
-/// A rigid motion in binary64.
-class RoundedMotion {
- public:
-  explicit RoundedMotion(const RigidMotion& motion) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      translation_[i] = motion.translation[i].lower().to_double(Direction::down);
-      for (std::size_t j = 0; j < 3; ++j) rows_[i][j] = in_binary64(motion.rotation(i, j)).lower();
-    }
-    is_exact_ = is_identity(motion);
-  }
-
-  [[nodiscard]] Point operator()(const Point& x) const {
-    if (is_exact_) return x;
-    Point moved;
-    for (std::size_t i = 0; i < 3; ++i)
-      moved[i] = rows_[i][0] * x[0] + rows_[i][1] * x[1] + rows_[i][2] * x[2] + translation_[i];
-    return moved;
-  }
-
-  [[nodiscard]] std::vector<Triangle> operator()(std::span<const Triangle> triangles) const {
-    std::vector<Triangle> moved(triangles.begin(), triangles.end());
-    for (Triangle& triangle : moved)
-      for (Point& corner : triangle) corner = (*this)(corner);
-    return moved;
-  }
-
-  /// Points whose coordinates are at most so large stay where differences are below 2^300: distances need that.
-  [[nodiscard]] bool is_ordinary(double largest) const {
-    return largest < 0x1p299 && (is_exact_ || displacement(largest) < 0x1p250);
-  }
-
-  /// No point whose coordinates are at most so large is moved farther from its exact place. Elements of the rotation
-  /// are off by 2 u, the translation by 2 u of itself; products and three sums round by 4 u: a coordinate is off by
-  /// less than 7 u (Σ|x| + |t|), the point by less than 13 u (3 largest + Σ|t|).
-  [[nodiscard]] double displacement(double largest) const {
-    if (is_exact_) return 0.0;
-    const double sum = std::abs(translation_[0]) + std::abs(translation_[1]) + std::abs(translation_[2]);
-    return 0x1p-49 * (3.0 * largest + sum) + 0x1p-1000;
-  }
-
- private:
-  static bool is_identity(const RigidMotion& motion) {
-    const auto is = [](const PreciseInterval& x, int value) {
-      return x.lower() == Real(value) && x.upper() == Real(value);
-    };
-    bool same = true;
-    for (std::size_t i = 0; i < 3; ++i) {
-      same = same && is(motion.translation[i], 0);
-      for (std::size_t j = 0; j < 3; ++j) same = same && is(motion.rotation(i, j), i == j ? 1 : 0);
-    }
-    return same;
-  }
-
-  std::array<Point, 3> rows_;
-  Point translation_;
-  bool is_exact_ = false;
-};
-
-RigidMotion motion_of(const PosedMesh& mesh) {
-  return mesh.motion() ? *mesh.motion() : RigidMotion(Pose{});
-}
-
-Enclosure widened_by(const Enclosure& distance, double displacement) {
-  if (displacement == 0.0) return distance;
-  const Interval widened = Interval(distance.lo, distance.hi) + Interval(-displacement, displacement);
-  return {std::max(0.0, widened.lower()), widened.upper()};
-}
-
-constexpr Enclosure they_meet{0.0, 0.0};
-
-MeshPair least_of(const MeshPair& a, const MeshPair& b) {
+MeshPair joined(const MeshPair& a, const MeshPair& b) {
   return {{std::min(a.distance.lo, b.distance.lo), std::min(a.distance.hi, b.distance.hi)},
           std::max(a.depth, b.depth),
           a.common ? a.common : b.common};
@@ -355,39 +49,6 @@ Lie lie_of(std::span<const Point> points, const ClosedMesh& solid, const Rounded
   }
   return lie;
 }
-
-Enclosure least_of(const Enclosure& a, const Enclosure& b) {
-  return {std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
-}
-
-}  // namespace
-
-MeshTriangleDistance::MeshTriangleDistance(const Model& model) : solids_(model) {
-  if (solids_.others()) to_others_.emplace(*solids_.others());
-}
-
-/// A triangle that keeps off the surface lies on one side of it: a corner proven to be outside says on which.
-Enclosure MeshTriangleDistance::operator()(const Triangle& triangle) const {
-  Enclosure distance = to_others_ ? (*to_others_)(triangle) : Enclosure{infinity, infinity};
-  for (const MeshUnion::Part& part : solids_.meshes()) {
-    bool is_outside = false;
-    for (const Point& corner : triangle) {
-      const Enclosure at_corner = part.mesh.signed_distance(corner).signed_distance;
-      if (at_corner.hi <= 0.0) return they_meet;
-      is_outside = is_outside || at_corner.lo > 0.0;
-    }
-    const RoundedMotion motion(motion_of(part.mesh).inverse());
-    if (!motion.is_ordinary(largest_coordinate(triangle))) return {0.0, infinity};
-    const std::vector<Triangle> own = motion(std::span(&triangle, 1));
-    Enclosure to_surface = widened_by(distance_of_triangles(own, part.mesh.mesh().tree(), {}),
-                                      motion.displacement(largest_coordinate(triangle)));
-    if (!is_outside) to_surface.lo = 0.0;
-    distance = least_of(distance, to_surface);
-  }
-  return distance;
-}
-
-namespace {
 
 /// A mesh of a model, with what pairs ask of it.
 struct Solid {
@@ -547,7 +208,7 @@ class MeshAndSuperquadrics {
     double depth = -1.0;                                // of a middle in a superquadric
     std::size_t deepest = 0;
     for (std::size_t n = 0; n < triangles.size(); ++n) {
-      const Ball ball = ball_about(triangles[n]);
+      const BallAboutTriangle ball = ball_about(triangles[n]);
       const Enclosure at_centre = (*superquadrics_.of_points)(ball.centre, infinity);
       const Interval off = Interval(displacement) + Interval(rounding_of_middle(largest_coordinate(triangles[n])));
       if (const double here = (Interval(-at_centre.hi) - off).lower(); here > depth) {
@@ -617,10 +278,7 @@ struct MeshPairDistance::State {
   std::optional<ModelSearch> between_others;
 };
 
-MeshPairDistance::MeshPairDistance(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
-MeshPairDistance::~MeshPairDistance() = default;
-MeshPairDistance::MeshPairDistance(MeshPairDistance&&) noexcept = default;
-MeshPairDistance& MeshPairDistance::operator=(MeshPairDistance&&) noexcept = default;
+MeshPairDistance::MeshPairDistance(const Model& a, const Model& b) : state_(hidden<State>(a, b)) {}
 
 MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const State& s = *state_;
@@ -628,7 +286,7 @@ MeshPair MeshPairDistance::operator()(const Pose& pose, const std::function<bool
   const RigidMotion a_to_b = b_to_a.inverse();
   MeshPair found{{infinity, infinity}};
   const auto join = [&](const auto& pair) {
-    if (found.distance.hi != 0.0) found = least_of(found, pair(interrupted));
+    if (found.distance.hi != 0.0) found = joined(found, pair(interrupted));
   };
   for (const Solid& a : s.a.solids) {
     for (const Solid& b : s.b.solids) join(MeshesApart(a, b, b.motion.inverse().after(a_to_b.after(a.motion))));

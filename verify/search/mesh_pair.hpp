@@ -1,18 +1,16 @@
 /// Distances of triangles, and of other models, to closed meshes.
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "verify/search/mesh_union.hpp"
 #include "verify/search/wide_tree.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
@@ -57,9 +55,6 @@ class MeshPairDistance {
  public:
   /// Throws Error(input) unless each is the union of its primitives, and for bent superquadrics.
   MeshPairDistance(const Model& a, const Model& b);
-  ~MeshPairDistance();
-  MeshPairDistance(MeshPairDistance&&) noexcept;
-  MeshPairDistance& operator=(MeshPairDistance&&) noexcept;
 
   /// Encloses the distance of A and of B moved by `pose`. Once interrupted, the lower end is 0.
   [[nodiscard]] MeshPair operator()(const Pose& pose, const std::function<bool()>& interrupted) const;
@@ -69,7 +64,7 @@ class MeshPairDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq::verify

@@ -10,7 +10,6 @@
 #include "verify/numbers/points.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/model.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq::verify {
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,7 +19,6 @@
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 struct Sphere {
@@ -54,8 +52,7 @@ double rounding_error(const Sphere& a, const Sphere& b) {
   return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
 }
 
-}  // namespace
-
+/// The pairs whose bounding spheres are not farther apart than the nearest centres, which lie in their primitives.
 NearPairs near_pairs(const PosedPairs& pairs) {
   std::vector<Sphere> of_a;
   std::vector<Sphere> of_b;
@@ -84,8 +81,6 @@ NearPairs near_pairs(const PosedPairs& pairs) {
   }
   return result;
 }
-
-namespace {
 
 double width_up(const PreciseInterval& x) {
   return (PreciseInterval(x.upper()) - PreciseInterval(x.lower())).upper().to_double(Direction::up);
@@ -335,16 +330,9 @@ struct PairDistance::State {
 };
 
 PairDistance::PairDistance(const UncertainModel& a, const UncertainModel& b)
-    : state_(std::make_unique<State>(bracket(a), bracket(b))) {}
+    : state_(hidden<State>(bracket(a), bracket(b))) {}
 
-PairDistance::~PairDistance() = default;
-PairDistance::PairDistance(PairDistance&&) noexcept = default;
-PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
-
-PairDistance::Memory::Memory() : pairs_(std::make_unique<PairMemory>()) {}
-PairDistance::Memory::~Memory() = default;
-PairDistance::Memory::Memory(Memory&&) noexcept = default;
-PairDistance::Memory& PairDistance::Memory::operator=(Memory&&) noexcept = default;
+PairDistance::Memory::Memory() : pairs_(hidden<PairMemory>()) {}
 
 ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   require_valid(pose, "pose");
@@ -405,10 +393,7 @@ struct CertifiedDistances::State {
 };
 
 CertifiedDistances::CertifiedDistances(const Model& a, const Model& b, double tolerance)
-    : state_(std::make_unique<State>(a, b, tolerance)) {}
-CertifiedDistances::~CertifiedDistances() = default;
-CertifiedDistances::CertifiedDistances(CertifiedDistances&&) noexcept = default;
-CertifiedDistances& CertifiedDistances::operator=(CertifiedDistances&&) noexcept = default;
+    : state_(hidden<State>(a, b, tolerance)) {}
 
 CertifiedDistance CertifiedDistances::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   return state_->distance(pose, interrupted);

@@ -65,9 +65,6 @@ struct NearPairs {
   double others;                     ///< proven: all others are at least so far apart
 };
 
-/// The pairs whose bounding spheres are not farther apart than the nearest centres, which lie in their primitives.
-[[nodiscard]] NearPairs near_pairs(const PosedPairs& pairs);
-
 // Lower bounds for pairs of primitives in one pose, kept for the poses that follow. Along a path few of many pairs are
 // ever the nearest, and the distances of the others change by no more than their primitives move.
 

@@ -2,7 +2,6 @@
 #include "verify/search/model_distances.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -20,6 +19,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/solids/cube.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
@@ -38,9 +38,6 @@ class BoxPrimitive {
  public:
   /// Throws as ClosedMesh for a mesh.
   explicit BoxPrimitive(const Primitive& primitive);
-  ~BoxPrimitive();
-  BoxPrimitive(BoxPrimitive&&) noexcept;
-  BoxPrimitive& operator=(BoxPrimitive&&) noexcept;
 
   /// Colour of the primitive K itself. For a point: black where g < 1 is proven, white where g > 1 is.
   [[nodiscard]] Colour colour(const Cube& cube) const;
@@ -53,8 +50,8 @@ class BoxPrimitive {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;  ///< of a superquadric
-  std::unique_ptr<PosedMesh> mesh_;
+  Hidden<State> state_;  ///< of a superquadric
+  Hidden<PosedMesh> mesh_;
 };
 
 // Bounds of models as wholes: boxes around them, and enclosures of trees of set operations over cubes.

@@ -120,11 +120,7 @@ struct SetClosestPoint::State {
   std::size_t primitives;
 };
 
-SetClosestPoint::SetClosestPoint(const Model& model) : state_(std::make_unique<State>(model)) {}
-
-SetClosestPoint::~SetClosestPoint() = default;
-SetClosestPoint::SetClosestPoint(SetClosestPoint&&) noexcept = default;
-SetClosestPoint& SetClosestPoint::operator=(SetClosestPoint&&) noexcept = default;
+SetClosestPoint::SetClosestPoint(const Model& model) : state_(hidden<State>(model)) {}
 
 std::optional<ClosestPoint> SetClosestPoint::operator()(const Point& x, double farthest) const {
   const std::vector<Part>& parts = state_->parts;
@@ -354,12 +350,8 @@ struct SignedDistance::State {
 
 SignedDistance::SignedDistance(const Model& model) {
   verify::require_valid_with_meshes(model);
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-
-SignedDistance::~SignedDistance() = default;
-SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
-SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
 Enclosure SignedDistance::operator()(const Point& point, double tolerance) const {
   return (*this)(point, tolerance, never);

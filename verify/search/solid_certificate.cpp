@@ -87,15 +87,12 @@ Point nearer(const SolidDistance& search, const Point& x, const Point& in, Side 
   return best;
 }
 
-}  // namespace
-
+/// The witness is at most `tolerance` farther from x than the nearest point; nothing if none was found.
 std::optional<Point> nearest_witness(const SolidDistance& search, const Point& x, Side side, double tolerance,
                                      const std::function<bool()>& interrupted) {
   const auto found = search.nearest(x, side, tolerance, interrupted);
   return found ? std::optional(nearer(search, x, *found, side)) : std::nullopt;
 }
-
-namespace {
 
 /// The share of the tolerance that the search for the witness may leave.
 constexpr double share_of_witness = 1.0 / 512;

@@ -40,12 +40,6 @@ struct CoverQuestion {
 [[nodiscard]] std::optional<EmptyRadius> empty_radius(const CoverQuestion& question, double distance, double tolerance,
                                                       const std::function<bool()>& interrupted);
 
-// Witnesses (docs/mathematics.md §28): points proven to lie in a solid, or beyond it, hardly farther than the nearest.
-
-/// The witness is at most `tolerance` farther from x than the nearest point; nothing if none was found.
-[[nodiscard]] std::optional<Point> nearest_witness(const SolidDistance& search, const Point& x, Side side,
-                                                   double tolerance, const std::function<bool()>& interrupted);
-
 // Signed distances to any model with their proofs: witnesses and covers (docs/mathematics.md §28).
 
 /// One model, ready to be searched and proven. Keeps references.

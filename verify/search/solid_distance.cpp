@@ -486,9 +486,6 @@ void require_tolerance(double tolerance) {
 }
 
 SolidDistance::SolidDistance(const Model& model) : state_(new State{Scene(model)}) {}
-SolidDistance::~SolidDistance() = default;
-SolidDistance::SolidDistance(SolidDistance&&) noexcept = default;
-SolidDistance& SolidDistance::operator=(SolidDistance&&) noexcept = default;
 
 Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Enclosure& known,
                                     const std::function<bool()>& interrupted) const {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 
 #include "verify/solids/cube.hpp"
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -20,9 +20,6 @@ void require_tolerance(double tolerance);
 class SolidDistance {
  public:
   explicit SolidDistance(const Model& model);
-  ~SolidDistance();
-  SolidDistance(SolidDistance&&) noexcept;
-  SolidDistance& operator=(SolidDistance&&) noexcept;
 
   /// Encloses the exact signed distance. Works until the enclosure is at most `tolerance` wide, the budget of cubes is
   /// spent or `interrupted` (polled) returns true; in the last two cases it is valid, and wide. `known` is an enclosure
@@ -44,7 +41,7 @@ class SolidDistance {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 // Signed distances to set operations, closest points, uncertain sizes.
@@ -56,9 +53,6 @@ class SolidDistance {
 class SetClosestPoint {
  public:
   explicit SetClosestPoint(const Model& model);
-  ~SetClosestPoint();
-  SetClosestPoint(SetClosestPoint&&) noexcept;
-  SetClosestPoint& operator=(SetClosestPoint&&) noexcept;
 
   /// Nothing if no primitive decides. `farthest` is an upper bound of the distance of x to the model's surface, which
   /// only saves time; infinite if none is known.
@@ -66,7 +60,7 @@ class SetClosestPoint {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq::verify

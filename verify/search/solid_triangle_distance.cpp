@@ -23,7 +23,6 @@
 #include "verisq/error.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 constexpr std::size_t kProbes = 3;
@@ -328,7 +327,6 @@ void TriangleBranchAndBound::split(const Node& node) {
 }  // namespace verisq::verify
 
 namespace verisq {
-
 namespace {
 
 constexpr std::size_t most_points = 4096;
@@ -344,10 +342,6 @@ std::vector<std::optional<TriangleDistance>> convex_primitives(const Model& mode
   }
   return result;
 }
-
-}  // namespace
-
-namespace {
 
 /// For models of superquadrics alone: from signed distances of points.
 struct SearchedSolid {
@@ -401,12 +395,8 @@ struct TriangleSearch::State {
 
 TriangleSearch::TriangleSearch(const Model& model) {
   verify::require_valid_with_meshes(model);
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-
-TriangleSearch::~TriangleSearch() = default;
-TriangleSearch::TriangleSearch(TriangleSearch&&) noexcept = default;
-TriangleSearch& TriangleSearch::operator=(TriangleSearch&&) noexcept = default;
 
 namespace {
 

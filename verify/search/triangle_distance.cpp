@@ -21,12 +21,6 @@
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
-
-/// Offers weights of points, the most promising first, until `enough` returns true. Corners and the normal of the
-/// triangle's plane, of any length, in the solid's frame; a degenerate triangle may come with any normal.
-void offer_closest_points(const Superquadric& solid, const std::array<Proposal, 3>& corners, const Proposal& normal,
-                          const std::function<bool(const Weights&)>& enough);
-
 namespace {
 
 /// Rounds to binary64 without leaving the triangle.
@@ -181,8 +175,8 @@ class BoundarySearch {
   std::array<Vector, 3> corners_;
 };
 
-}  // namespace
-
+/// Offers weights of points, the most promising first, until `enough` returns true. Corners and the normal of the
+/// triangle's plane, of any length, in the solid's frame; a degenerate triangle may come with any normal.
 void offer_closest_points(const Superquadric& solid, const std::array<Proposal, 3>& corners, const Proposal& normal,
                           const std::function<bool(const Weights&)>& enough) {
   const std::optional<Weights> face = face_point(solid, corners, normal);
@@ -191,10 +185,10 @@ void offer_closest_points(const Superquadric& solid, const std::array<Proposal, 
   BoundarySearch<long double>(solid, corners).offer(enough);
 }
 
+}  // namespace
 }  // namespace verisq::verify
 
 namespace verisq {
-
 namespace {
 
 using namespace verify;
@@ -373,12 +367,8 @@ struct TriangleDistance::State {
 
 TriangleDistance::TriangleDistance(const Model& model) {
   require_union_of_convex(model, "distances of triangles");
-  state_ = std::make_unique<State>(model);
+  state_ = hidden<State>(model);
 }
-
-TriangleDistance::~TriangleDistance() = default;
-TriangleDistance::TriangleDistance(TriangleDistance&&) noexcept = default;
-TriangleDistance& TriangleDistance::operator=(TriangleDistance&&) noexcept = default;
 
 Enclosure TriangleDistance::operator()(const Triangle& triangle) const {
   return state_->enclose(triangle).distance;

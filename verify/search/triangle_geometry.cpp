@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
-#include <utility>
 
 #include "verify/numbers/real.hpp"
 #include "verify/search/triangle_bounds.hpp"

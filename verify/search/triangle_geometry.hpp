@@ -1,9 +1,7 @@
 /// How points, rays and triangles of binary64 coordinates lie to each other: distances enclosed, sides exact.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 
 #include "verify/search/triangle_bounds.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/vector.hpp"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "verify/numbers/points.hpp"
-#include "verify/numbers/rounding.hpp"
 #include "verify/search/triangle_bounds.hpp"
 
 namespace verisq::verify {

@@ -13,7 +13,6 @@
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
-
 namespace {
 
 /// Shortest digits that read back, or so many significant ones.
@@ -153,7 +152,6 @@ void require_valid(const Pose& pose, const std::string& name) {
 }  // namespace verisq::verify
 
 namespace verisq {
-
 namespace {
 
 [[noreturn]] void refuse(std::string_view what, const std::string& solids) {

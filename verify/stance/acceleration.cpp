@@ -18,19 +18,6 @@
 #include "verify/stance/tree.hpp"
 
 namespace verisq::stance {
-
-/// The model must outlive the function.
-[[nodiscard]] DifferentiableFunction wrench_component(const Model& model, std::size_t component);
-
-/// Its partial derivative by a parameter. The model must outlive the function.
-[[nodiscard]] DifferentiableFunction wrench_derivative(const Model& model, std::size_t component,
-                                                       std::uint32_t parameter);
-
-/// Where the component is evaluated: in `tight` mode the box of the uncertain set. In `paper` mode the moment about z
-/// (w6) sees the x of the root's centre of mass as px + (px - px), three times as wide as px: the printed cells are
-/// those of g mp (0.05 + (px - px) - px) + c6 (docs/stance.md §1).
-[[nodiscard]] Box evaluation_box(const Model& model, UncertainSet uncertain, std::size_t component, Mode mode);
-
 namespace {
 
 using verify::Interval;
@@ -56,8 +43,7 @@ Interval second_derivative(const Model& model, std::size_t component, std::span<
   return component_at(model, outer, component).partial[0].partial[0];
 }
 
-}  // namespace
-
+/// The model must outlive the function.
 DifferentiableFunction wrench_component(const Model& model, std::size_t component) {
   return {[&model, component](std::span<const Interval> box) {
             return component_at(model, std::vector<Interval>(box.begin(), box.end()), component);
@@ -67,6 +53,7 @@ DifferentiableFunction wrench_component(const Model& model, std::size_t componen
           }};
 }
 
+/// Its partial derivative by a parameter. The model must outlive the function.
 DifferentiableFunction wrench_derivative(const Model& model, std::size_t component, std::uint32_t parameter) {
   return {[&model, component, parameter](std::span<const Interval> box) {
             return expansion(model, component, box, parameter).partial[0];
@@ -76,6 +63,9 @@ DifferentiableFunction wrench_derivative(const Model& model, std::size_t compone
           }};
 }
 
+/// Where the component is evaluated: in `tight` mode the box of the uncertain set. In `paper` mode the moment about z
+/// (w6) sees the x of the root's centre of mass as px + (px - px), three times as wide as px: the printed cells are
+/// those of g mp (0.05 + (px - px) - px) + c6 (docs/stance.md §1).
 Box evaluation_box(const Model& model, UncertainSet uncertain, std::size_t component, Mode mode) {
   constexpr std::size_t moment_about_z = 5;
   Box box = parameter_box(model, uncertain);
@@ -83,6 +73,8 @@ Box evaluation_box(const Model& model, UncertainSet uncertain, std::size_t compo
   if (mode == Mode::paper && component == moment_about_z && px) box[*px] += box[*px] - box[*px];
   return box;
 }
+
+}  // namespace
 
 WrenchEnclosure wrench(const Model& model, UncertainSet uncertain, Mode mode) {
   WrenchEnclosure result;

@@ -2,7 +2,6 @@
 #include "verify/stance/bounce.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <set>

@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 
 #include "verify/stance/acceleration.hpp"
 #include "verify/stance/linear_systems.hpp"

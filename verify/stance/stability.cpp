@@ -23,6 +23,7 @@
 #include "verify/stance/tree.hpp"
 
 namespace verisq::stance {
+namespace {
 
 struct StabilityOfCell {
   StabilityVerdict verdict = StabilityVerdict::open;
@@ -31,11 +32,6 @@ struct StabilityOfCell {
   /// Where it is open: how much each uncertain parameter adds to that, as far as is known.
   std::vector<double> shares{};
 };
-
-/// `parameters` has an interval for each parameter of the model.
-[[nodiscard]] StabilityOfCell stability_over(const StandingProblem& problem, const Box& parameters);
-
-namespace {
 
 using verify::Interval;
 
@@ -377,8 +373,7 @@ StabilityOfCell stability_of(const StandingProblem& problem, const Box& box) {
           {}};
 }
 
-}  // namespace
-
+/// `parameters` has an interval for each parameter of the model.
 StabilityOfCell stability_over(const StandingProblem& problem, const Box& parameters) {
   try {
     return stability_of(problem, parameters);
@@ -386,8 +381,6 @@ StabilityOfCell stability_over(const StandingProblem& problem, const Box& parame
     return {};
   }
 }
-
-namespace {
 
 using verify::Interval;
 

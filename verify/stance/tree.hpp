@@ -144,11 +144,6 @@ struct Transform {
   [[nodiscard]] Vector3<T> to_child(const Vector3<T>& v) const { return turned(v, true); }
   [[nodiscard]] Vector3<T> to_parent(const Vector3<T>& v) const { return turned(v, false); }
 
-  /// Of a point that the child carries.
-  [[nodiscard]] Vector3<T> point_to_parent(const Vector3<T>& point) const {
-    return shift ? Vector3<T>(*shift + to_parent(point)) : to_parent(point);
-  }
-
   [[nodiscard]] SpatialMotion<T> to_child(const SpatialMotion<T>& m) const {
     const Vector3<T> linear = shift ? Vector3<T>(m.linear + m.angular.cross(*shift)) : m.linear;
     return {to_child(m.angular), to_child(linear)};
