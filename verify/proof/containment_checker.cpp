@@ -16,6 +16,7 @@
 #include "verify/proof/pair_checker.hpp"
 #include "verify/proof/side_checker.hpp"
 #include "verify/proof/triangle_tree.hpp"
+#include "verify/solids/model.hpp"
 
 namespace verisq::verify {
 
