@@ -279,7 +279,7 @@ struct PointFile::State {
   std::uint64_t next = 0;  // point to be read
 };
 
-PointFile::PointFile(const std::filesystem::path& path) : state_(new State{path, open_points(path)}) {}
+PointFile::PointFile(const std::filesystem::path& path) : state_(hidden<State>(State{path, open_points(path)})) {}
 
 std::size_t PointFile::read(std::span<Point> points) {
   const std::size_t count = state_->source->read(points);
@@ -333,8 +333,8 @@ std::optional<Pose> PoseFile::State::next_pose() {
 }
 
 PoseFile::PoseFile(const std::filesystem::path& path)
-    : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {
-}
+    : state_(hidden<State>(
+          State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}})) {}
 
 std::size_t PoseFile::read(std::span<Pose> poses) {
   std::size_t count = 0;

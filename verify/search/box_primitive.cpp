@@ -359,8 +359,8 @@ bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_wi
 }
 
 BoxPrimitive::BoxPrimitive(const Primitive& primitive)
-    : state_(primitive.mesh ? nullptr : hidden<State>(primitive)),
-      mesh_(primitive.mesh ? hidden<PosedMesh>(primitive) : nullptr) {}
+    : state_(primitive.mesh ? Hidden<State>() : hidden<State>(primitive)),
+      mesh_(primitive.mesh ? hidden<PosedMesh>(primitive) : Hidden<PosedMesh>()) {}
 
 Colour BoxPrimitive::colour(const Cube& cube) const {
   if (mesh_) return verify::colour(*mesh_, cube);

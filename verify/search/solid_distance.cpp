@@ -485,7 +485,7 @@ void require_tolerance(double tolerance) {
   if (!(tolerance >= 0.0)) throw Error(ErrorKind::input, fmt::format("tolerance = {}: must be at least 0", tolerance));
 }
 
-SolidDistance::SolidDistance(const Model& model) : state_(new State{Scene(model)}) {}
+SolidDistance::SolidDistance(const Model& model) : state_(hidden<State>(State{Scene(model)})) {}
 
 Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Enclosure& known,
                                     const std::function<bool()>& interrupted) const {
