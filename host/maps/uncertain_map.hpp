@@ -23,6 +23,7 @@
 #include "verisq/distance.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
+#include "verisq/hidden.hpp"
 #include "verisq/map.hpp"
 #include "verisq/model.hpp"
 

@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 #include <verisq/enclosure.hpp>
-#include <verisq/hidden.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
@@ -122,6 +122,9 @@ class Checker {
   /// finite, at least 0. Throws Error(input) where model or points are not exact and the model is not the union of its
   /// primitives, and as `bracket`.
   explicit Checker(const UncertainModel& model, double point_radius = 0.0);
+  ~Checker();
+  Checker(Checker&&) noexcept;
+  Checker& operator=(Checker&&) noexcept;
 
   /// Never says `proved` of an enclosure that does not contain the exact signed distances of all members, whatever the
   /// certificate holds; `refuted` says that of one member. Normals of primitives that the model does not have, and
@@ -136,7 +139,7 @@ class Checker {
 
  private:
   struct State;
-  Hidden<State> state_;
+  std::unique_ptr<State> state_;
 };
 
 // The cubes of an octree, exactly where they are.
@@ -186,6 +189,7 @@ class OctreeChecker {
   /// White cubes among `cubes` say nothing new. Throws Error(input) for cubes that overlap or are not the root's, and
   /// where a corner of a cube is no binary64 number: files could not draw it.
   OctreeChecker(const Model& model, const OctreeRoot& root, std::span<const OctreeCube> cubes);
+  ~OctreeChecker();
 
   /// The cubes that must be proven for `volume` to contain the solid's volume: all black cubes, and as white ones the
   /// rest of the root and all space about it that the model may reach.
@@ -199,7 +203,7 @@ class OctreeChecker {
 
  private:
   struct State;
-  Hidden<State> state_;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace verisq

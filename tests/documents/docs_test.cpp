@@ -174,7 +174,7 @@ TEST(Documents, OneHeaderIncludesAllOfTheLibrary) {
 /// Functions without a body, of classes too; what begins with a keyword of control is a statement in a body.
 bool declares_functions(const std::string& header) {
   static const std::regex end_of_declaration(R"(\)( const)?( noexcept)?;(\s*//.*)?$)");
-  static const std::regex statement_or_comment(R"(^\s*(//|(for|if|return|inline constexpr)\b))");
+  static const std::regex statement_or_comment(R"(^\s*(//|(for|friend|if|return|inline constexpr)\b))");
   std::istringstream lines(contents(root / header));
   for (std::string line; std::getline(lines, line);) {
     if (std::regex_search(line, end_of_declaration) && !std::regex_search(line, statement_or_comment)) return true;

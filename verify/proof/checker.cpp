@@ -57,7 +57,7 @@ struct Checker::State {
 };
 
 Checker::Checker(const UncertainModel& model, double point_radius)
-    : state_(hidden<State>(verify::bracket_of_primitives(model), point_radius)) {
+    : state_(std::make_unique<State>(verify::bracket_of_primitives(model), point_radius)) {
   if (state_->bounds.exact()) return;
   const Model largest = verify::bracket_of_primitives(model).largest;
   if (!has_mesh(largest)) {
@@ -66,6 +66,9 @@ Checker::Checker(const UncertainModel& model, double point_radius)
     throw Error(ErrorKind::input, "a model with meshes is checked only if all of its numbers are exact");
   }
 }
+Checker::~Checker() = default;
+Checker::Checker(Checker&&) noexcept = default;
+Checker& Checker::operator=(Checker&&) noexcept = default;
 
 Finding Checker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
                             const std::function<bool()>& interrupted) const {
@@ -164,7 +167,7 @@ struct OctreeChecker::State {
 };
 
 OctreeChecker::OctreeChecker(const Model& model, const OctreeRoot& root, std::span<const OctreeCube> cubes)
-    : state_(hidden<State>(State{{}, CubePlaces(model), precise(root.centre), Real(root.half_width)})) {
+    : state_(std::make_unique<State>(State{{}, CubePlaces(model), precise(root.centre), Real(root.half_width)})) {
   if (!has_mesh(model)) state_->checker.emplace(model);
   std::vector<OctreeCube> kept;
   for (const OctreeCube& cube : cubes) {
@@ -201,6 +204,8 @@ OctreeChecker::OctreeChecker(const Model& model, const OctreeRoot& root, std::sp
   state_->volume = {state_->volume_of(counts[1]).lower().to_double(Direction::down),
                     state_->volume_of(counts[0] + counts[1]).upper().to_double(Direction::up)};
 }
+
+OctreeChecker::~OctreeChecker() = default;
 
 const std::vector<ColouredCube>& OctreeChecker::cubes() const {
   return state_->cubes;
