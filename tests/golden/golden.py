@@ -169,7 +169,7 @@ def main() -> int:
         shutil.rmtree(before, ignore_errors=True)
         folder.rename(before)
     run = Run(arguments.build.resolve(), folder)
-    for part in (help_texts, refusals, commands_of_readme, certified):
+    for part in (help_texts, refusals, commands_of_document, certified):
         part(run)
     found = hashes_below(folder)
     if arguments.write:
