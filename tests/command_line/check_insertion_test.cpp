@@ -166,7 +166,7 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   const std::string bent = places::example("bent_stem.json");
   refused(run({"insert", "--implant", bent, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o", map_,
                "--certificate-file", path("c.json")}),
-          "ways in of bent models");
+          "ways in of meshes, of bent models");
 }
 
 /// Of the whole surface, too.

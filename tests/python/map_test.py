@@ -105,12 +105,11 @@ class MeshAsTheSolid(unittest.TestCase):
 
     def test_what_a_mesh_lacks_so_far_is_refused(self):
         given = ["map", "--model", self.file, "--mesh", EXAMPLES / "cavity.off", "-o", self.file.parent / "map.csv"]
-        for option in (["--certificates", "--on", "triangles"], ["--method", "published", "--device", "host"],
-                       ["--certificates", "--report", self.file.parent / "page.html"]):
+        for option in (["--certificates", "--on", "triangles"], ["--method", "published", "--device", "host"]):
             with self.subTest(option):
                 self.assertIn("mesh", message(*given, *option))
         self.assertIn("mesh", message("insert", "--implant", self.file, "--mesh", EXAMPLES / "cavity.off", "--along",
-                                      "0,0,1", "--length", "1", "-o", self.file.parent / "way.csv"))
+                                      "0,0,1", "--length", "1", "--certificate-file", self.file.parent / "way.json"))
 
 
 class SameAsCommandLine(unittest.TestCase):
