@@ -109,7 +109,8 @@ class MeshAsTheSolid(unittest.TestCase):
             with self.subTest(option):
                 self.assertIn("mesh", message(*given, *option))
         self.assertIn("mesh", message("insert", "--implant", self.file, "--mesh", EXAMPLES / "cavity.off", "--along",
-                                      "0,0,1", "--length", "1", "--certificate-file", self.file.parent / "way.json"))
+                                      "0,0,1", "--length", "1", "-o", self.file.parent / "way.csv", "--certificate-file",
+                                      self.file.parent / "way.json"))
 
 
 class SameAsCommandLine(unittest.TestCase):
