@@ -630,9 +630,9 @@ TEST_F(CommandLine, SaysWhichFileIsInAnothersPlace) {
   // A mesh may be the model of a map; what it cannot be is told by the other file, or the other command.
   expect_refused(map({"--model", mesh, "--mesh", ball, "-o", path("map.csv")}),
                  {"unknown mesh format '.json'", "a model goes elsewhere"});
-  expect_refused(
-      run({"insert", "--implant", mesh, "--mesh", mesh, "--along", "0,0,1", "--length", "1", "-o", path("way.csv")}),
-      {"primitives[0].mesh"});
+  expect_refused(run({"insert", "--implant", mesh, "--mesh", mesh, "--along", "0,0,1", "--length", "1", "-o",
+                      path("way.csv"), "--certificate-file", path("way.json")}),
+                 {"--certificate-file", "ways in of meshes"});
   expect_refused(map({"--model", ball, "--mesh", ball, "-o", path("map.csv")}),
                  {"unknown mesh format '.json'", "a model goes elsewhere"});
   expect_refused(map({"--model", ball, "--model", ball, "--mesh", mesh, "-o", path("map.csv")}),
