@@ -259,10 +259,17 @@ TEST(ModelTest, EveryEntryRefusesImpossibleModelsInTheReadersWords) {
 /// Who takes a mesh for its superquadric, which is all zeros, would answer for another solid.
 TEST(ModelTest, EveryEntryAnswersForMeshesOrRefusesThem) {
   const Model model{"", {ball(), mesh_primitive("mesh", testing::tetrahedron())}};
-  const std::vector<std::string_view> answer{
-      "PairChecker",    "PathChecker",     "OctreeChecker", "DeviationChecker", "Checker",     "SignedDistance",
-      "TriangleSearch", "ModelSearch",     "PointMapper",   "TriangleMapper",   "PoseMapper",  "OctreeBuilder",
-      "distance_along", "bounding_radius", "posed",         "bracket",          "write_model", "negligible_volume"};
+  const std::vector<std::string_view> answer{"PairChecker",      "PathChecker",
+                                             "OctreeChecker",    "DeviationChecker",
+                                             "Checker",          "SignedDistance",
+                                             "TriangleSearch",   "ModelSearch",
+                                             "PointMapper",      "TriangleMapper",
+                                             "PoseMapper",       "OctreeBuilder",
+                                             "distance_along",   "mesh_clearance_along",
+                                             "InsertionMapper",  "certified_clearance",
+                                             "bounding_radius",  "posed",
+                                             "bracket",          "write_model",
+                                             "negligible_volume"};
   for (const auto& [name, use] : entries()) {
     const std::string message = message_of(use, model);
     if (std::ranges::find(answer, name) != answer.end())
