@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "verify/numbers/functions.hpp"
@@ -267,17 +266,14 @@ std::optional<Point> MeshUnion::escape(const Point& point, std::span<const Close
   };
   for (const ClosedMesh::Distance& distance : to_meshes) offer(distance.closest, distance.normal);
   if (may_be_in_others) {
-    try {
-      const ClosestPoint closest = to_others_->closest_point(point, Enclosure{-infinity, infinity});
-      Point from;
-      Point outward;
-      for (std::size_t i = 0; i < 3; ++i) {
-        from[i] = 0.5 * closest.point[i].lo + 0.5 * closest.point[i].hi;
-        outward[i] = 0.5 * closest.normal[i].lo + 0.5 * closest.normal[i].hi;
-      }
-      if (closest.unique) offer(from, outward);
-    } catch (const std::domain_error&) {  // at a solid's centre no direction is the best: nothing is proposed
+    const ClosestPoint closest = to_others_->closest_point(point, Enclosure{-infinity, infinity});
+    Point from;
+    Point outward;
+    for (std::size_t i = 0; i < 3; ++i) {
+      from[i] = 0.5 * closest.point[i].lo + 0.5 * closest.point[i].hi;
+      outward[i] = 0.5 * closest.normal[i].lo + 0.5 * closest.normal[i].hi;
     }
+    if (closest.unique) offer(from, outward);
   }
   for (std::size_t i = 0; i < 3; ++i) {
     for (const double side : {-1.0, 1.0}) {
