@@ -439,6 +439,8 @@ void check_options(const Model& model, const ContactAreaOptions& options) {
   if (!(options.share_width > 0.0)) refuse(fmt::format("the width {} is not above 0", options.share_width));
   if (!options.counted.empty() && options.counted.size() != model.primitives.size())
     refuse(fmt::format("{} primitives count or do not, of {}", options.counted.size(), model.primitives.size()));
+  if (options.of_model && has_mesh(model))
+    refuse("`of_model`: is known of superquadrics alone, and the model has a mesh");
 }
 
 verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_model,

@@ -183,6 +183,8 @@ std::vector<std::pair<const char*, std::function<void(const Model&)>>> entries()
       {"OctreeBuilder", [=](const Model& m) { used(OctreeBuilder(m, {.depth = 1, .device = "host"})); }},
       {"deviation", [=](const Model& m) { used(deviation(m, mesh, {.device = "host"})); }},
       {"contact_areas", [=](const Model& m) { used(contact_areas(m, mesh, {.distance = 1.0, .device = "host"})); }},
+      {"contact_areas of the model",
+       [=](const Model& m) { used(contact_areas(m, mesh, {.distance = 1.0, .of_model = true, .device = "host"})); }},
       {"prove_containment",
        [=](const Model& m) { used(prove_containment(m, mesh, Containment::within, {.device = "host"})); }},
       {"mesh_clearance", [=](const Model& m) { used(mesh_clearance(m, mesh, {.tolerance = 0.1, .device = "host"})); }},
@@ -290,7 +292,7 @@ TEST(ModelTest, EveryEntryAnswersForMeshesOrRefusesThem) {
                                              "covering_primitives"};
   for (const auto& [name, use] : entries()) {
     const std::string message = message_of(use, model);
-    if (name == "fit")
+    if (std::string_view(name) == "fit")
       EXPECT_THAT(message, ::testing::HasSubstr("fitness")) << "a mesh is an implant; these options have no fitness";
     else if (std::ranges::find(answer, name) != answer.end())
       EXPECT_EQ(message, "no error") << name;
