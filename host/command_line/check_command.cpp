@@ -245,7 +245,7 @@ void refuse_other_count(std::span<const SubjectFile> expected, const Certificate
   }
 }
 
-/// What is claimed of how deep two models reach into each other, beside their distance.
+/// A claim about how deep two models reach into each other, beside their distance.
 struct JudgedPenetration {
   Enclosure claimed;
   Finding finding;

@@ -48,7 +48,7 @@ struct DistanceReport {
   std::optional<PairCertificate> certificate = std::nullopt;  ///< set if it was requested
   std::optional<Enclosure> certified = std::nullopt;  ///< for a search: the enclosure that the certificate proves,
                                                       ///< which may be wider than the found one
-  /// Of exact models that are not proven to be apart, with what proves it.
+  /// Exact models that are not proven to be apart have one; with its certificate.
   std::optional<CertifiedPenetration> penetration = std::nullopt;
   std::string units = {};  ///< of both models; empty when not given
   double tolerance = 0.0;

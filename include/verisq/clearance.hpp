@@ -303,10 +303,10 @@ class SideChecker {
   SideChecker(const Model& model, const Mesh& surface, double penetration_limit);
 
   /// Kept: no point of the surface, nor of the fans that close it over its rims, lies deeper in the primitive than the
-  /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are. Of
-  /// a mesh all of its parts are asked (docs/mathematics.md §22). Inside is where the closed surface winds about a
-  /// point as it does about its volume, outside where it does not wind. Of a surface in several parts, as of one whose
-  /// triangles share no vertices, nothing is kept, nor of one that encloses nothing, nor once interrupted.
+  /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are. A
+  /// mesh is asked for all of its parts (docs/mathematics.md §22). Inside is where the closed surface winds about a
+  /// point as it does about its volume, outside where it does not wind. Nothing is kept of a surface in several parts,
+  /// as of one whose triangles share no vertices, nor of one that encloses nothing, nor once interrupted.
   /// Precondition: there is such a primitive.
   [[nodiscard]] SideFinding operator()(const SideClaim& claim, const CheckOptions& options = {}) const;
 

@@ -4,12 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/hidden.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
@@ -39,7 +39,7 @@ struct PartingTranslation {
   PairCertificate proof;
 };
 
-/// What proves an enclosure of a penetration depth. The upper end is the better one of `direction` and `parting`, the
+/// The proof of an enclosure of a penetration depth. The upper end is the better one of `direction` and `parting`, the
 /// lower end the better one of `surface` and `balls`, or 0.
 struct PenetrationCertificate {
   /// In the frame of A: B is moved along it until a plane at a right angle to it has A on one side, B on the other.
@@ -62,9 +62,6 @@ class PenetrationChecker {
  public:
   /// Throws Error(input) as PairChecker does.
   PenetrationChecker(const Model& a, const Model& b);
-  ~PenetrationChecker();
-  PenetrationChecker(PenetrationChecker&&) noexcept;
-  PenetrationChecker& operator=(PenetrationChecker&&) noexcept;
 
   /// Returns what the certificate proves about the penetration depth of A and of B moved by `pose`, whatever it holds:
   /// [0, infinity] if it proves nothing. Once `interrupted`, polled unless empty, says so, less is proven.
@@ -79,7 +76,7 @@ class PenetrationChecker {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 struct PenetrationOptions {
@@ -95,9 +92,6 @@ class PenetrationDepth {
  public:
   /// Throws Error(input) as PairChecker does.
   PenetrationDepth(const Model& a, const Model& b);
-  ~PenetrationDepth();
-  PenetrationDepth(PenetrationDepth&&) noexcept;
-  PenetrationDepth& operator=(PenetrationDepth&&) noexcept;
 
   /// Encloses the penetration depth of A and of B moved by `pose`: what the certificate proves. Two convex solids:
   /// works until the enclosure is at most the tolerance wide, or out of its budget of triangles, as where the solids
@@ -107,7 +101,7 @@ class PenetrationDepth {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  Hidden<State> state_;
 };
 
 }  // namespace verisq

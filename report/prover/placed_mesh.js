@@ -18,7 +18,7 @@ export class PlacedMesh {
     this.winding = new WindingNumber(this.tree);
   }
 
-  // What the other functions take of a point: bounds of its signed distance.
+  // The bounds of a point's signed distance, which the other functions take.
   local(point) {
     return this.signedDistance(this.placement.local(point));
   }
@@ -31,7 +31,7 @@ export class PlacedMesh {
   upperAlone({ hi }) {
     return hi;
   }
-  // Of a point alone, whatever `half` is: sets with meshes have no cells.
+  // Takes a point alone: sets with meshes have no cells.
   over(centre) {
     const { reals } = this.intervals;
     const { lo, hi } = this.local(centre);
@@ -39,7 +39,7 @@ export class PlacedMesh {
     return { place: reals.isBelow(hi, reals.zero) ? inside : open };
   }
 
-  // Of a box about a point, in the mesh's frame.
+  // Bounds for all points of a box, in the mesh's frame.
   signedDistance(at) {
     const { reals } = this.intervals;
     const query = this.queryOf(at);
@@ -73,7 +73,7 @@ export class PlacedMesh {
     };
   }
 
-  // Of the surface. `near` are the triangles that are not proven to be farther.
+  // The distance to the surface. `near` are the triangles that are not proven to be farther.
   distance(query) {
     const { reals } = this.intervals;
     const first = this.tree.triangles[this.tree.nearest(query.middle)];

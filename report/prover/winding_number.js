@@ -68,7 +68,7 @@ export class WindingNumber {
     return winding;
   }
 
-  // Whether q lies on the triangle, which has an area.
+  // True if q lies on the triangle, which has an area.
   holds(q, triangle) {
     const [a, b, c] = aboutPoint(q, this.tree.triangles[triangle]);
     const normal = cross(minus(b, a), minus(c, a));

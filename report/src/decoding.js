@@ -50,7 +50,7 @@ function requireRising(ends, name) {
   if (!ends.every((end, row) => end >= (ends[row - 1] ?? 0))) throw new BrokenReport(`${name}: falls`);
 }
 
-// Of files, by primitive; null where no primitive is one.
+// The meshes of files, by primitive; null where no primitive is one.
 function meshesOf(meshes) {
   return (
     meshes &&

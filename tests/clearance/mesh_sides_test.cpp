@@ -42,7 +42,7 @@ Verdict verdict(const Mesh& part, const Mesh& surface, SurfaceSide side, double 
   return verdict_of(finding(part, surface, side, limit, pose));
 }
 
-/// Of a sphere the triangles below a height.
+/// The triangles of a sphere below a height.
 Mesh bowl(int rounds, double height) {
   Mesh mesh = sphere_mesh(rounds);
   std::erase_if(mesh.triangles, [&](const auto& corners) {
@@ -174,7 +174,7 @@ TEST(MeshSides, AreNotProvedWhereTheSurfaceTouches) {
   }
 }
 
-/// What is deeper than the limit in a dumbbell whose neck is thinner than that has two parts.
+/// In a dumbbell with a thin neck, the points deeper than the limit have two parts.
 TEST(MeshSides, AreOfEveryDeepPart) {
   const Mesh part = dumbbell(0.03);
   const Mesh surface = moved(cube(), 2.0, {0.0, 0.0, 2.0});  // z = 0 is a face, across the neck

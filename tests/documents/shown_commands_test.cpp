@@ -1,5 +1,6 @@
-/// What the documents show works: commands as printed, what the tutorial says that they print, the known answer of a
-/// fit, code in the examples. VERISQ_FEMUR: the femur of the demo, where it is not build/demo/femur.off.
+/// The commands that the documents show work as printed. The tutorial's print the lines beside them, a fit finds its
+/// known answer, and the code is that of the examples. VERISQ_FEMUR: the femur of the demo, where it is not
+/// build/demo/femur.off.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

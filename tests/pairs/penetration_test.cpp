@@ -214,7 +214,7 @@ TEST(PenetrationTest, OfBentSolidsHasBothEnds) {
   EXPECT_LT(depth.hi, 0.25);
 }
 
-// What its certificate does not prove.
+// Claims that the certificate does not prove.
 
 struct Case {
   Model a, b;
@@ -239,7 +239,7 @@ class ForgedPenetrationTest : public ::testing::Test {
                                  what);
   }
 
-  /// What remains of the proof is that the depth is at least 0.
+  /// The proof that remains says that the depth is at least 0.
   static void expect_no_lower_end(const Case& forged, const char* what) {
     EXPECT_EQ(PenetrationChecker(forged.a, forged.b).prove({}, forged.found.certificate).lo, 0.0) << what;
   }

@@ -236,10 +236,7 @@ struct PenetrationChecker::State {
   mutable std::optional<verify::ModelChecker> places_a, places_b;  ///< made for the first balls
 };
 
-PenetrationChecker::PenetrationChecker(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
-PenetrationChecker::~PenetrationChecker() = default;
-PenetrationChecker::PenetrationChecker(PenetrationChecker&&) noexcept = default;
-PenetrationChecker& PenetrationChecker::operator=(PenetrationChecker&&) noexcept = default;
+PenetrationChecker::PenetrationChecker(const Model& a, const Model& b) : state_(hidden<State>(a, b)) {}
 
 Enclosure PenetrationChecker::prove(const Pose& pose, const PenetrationCertificate& certificate,
                                     const std::function<bool()>& interrupted) const {

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
 
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -32,6 +35,25 @@ template <class Float>
 template <class Float>
 [[nodiscard]] Coordinates<Float> cross(const Coordinates<Float>& a, const Coordinates<Float>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The vector divided by its length; nothing for zero.
+template <class Float>
+[[nodiscard]] std::optional<Coordinates<Float>> unit_of(const Coordinates<Float>& v) {
+  const Float length = std::sqrt(dot(v, v));
+  if (!(length > 0)) return std::nullopt;
+  return Coordinates<Float>{v[0] / length, v[1] / length, v[2] / length};
+}
+
+/// A unit vector at a right angle to v, which is not zero.
+template <class Float>
+[[nodiscard]] Coordinates<Float> unit_across(const Coordinates<Float>& v) {
+  std::size_t least = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::fabs(v[k]) < std::fabs(v[least])) least = k;
+  Coordinates<Float> axis{};
+  axis[least] = 1;
+  return unit_of(cross(v, axis)).value_or(axis);
 }
 
 /// The point of the segment a b that is closest to the origin.

@@ -15,23 +15,8 @@ using Vector = DifferenceHull::Vector;
 /// Vertices are rounded and pulled in by less than this share of the size: whatever is no higher lies in one plane.
 constexpr long double flatness = 0x1p-42L;
 
-Vector unit(const Vector& v) {
-  const long double length = std::sqrt(dot(v, v));
-  return length > 0 ? Vector{v[0] / length, v[1] / length, v[2] / length} : Vector{};
-}
-
 Vector opposite(const Vector& v) {
   return {-v[0], -v[1], -v[2]};
-}
-
-/// At a right angle to v.
-Vector across(const Vector& v) {
-  std::size_t least = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (std::fabs(v[k]) < std::fabs(v[least])) least = k;
-  Vector axis{};
-  axis[least] = 1;
-  return unit(cross(v, axis));
 }
 
 }  // namespace
@@ -65,9 +50,9 @@ bool DifferenceHull::begin() {
   const std::optional<std::uint32_t> b = asked({-1, 0, 0});
   if (!a || !b) return false;
   const Vector side = difference(vertices_[*b], vertices_[*a]);
-  const std::optional<std::uint32_t> c = farther_of_both_ways(across(side), vertices_[*a]);
+  const std::optional<std::uint32_t> c = farther_of_both_ways(unit_across(side), vertices_[*a]);
   if (!c) return false;
-  const Vector normal = unit(cross(side, difference(vertices_[*c], vertices_[*a])));
+  const Vector normal = unit_of(cross(side, difference(vertices_[*c], vertices_[*a]))).value_or(Vector{});
   const std::optional<std::uint32_t> d = farther_of_both_ways(normal, vertices_[*a]);
   if (!d) return false;
   const long double height = dot(normal, difference(vertices_[*d], vertices_[*a]));
@@ -79,7 +64,8 @@ bool DifferenceHull::begin() {
 
 /// A facet without an area is never the nearest.
 DifferenceHull::Facet DifferenceHull::facet(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-  const Vector normal = unit(cross(difference(vertices_[b], vertices_[a]), difference(vertices_[c], vertices_[a])));
+  const Vector normal =
+      unit_of(cross(difference(vertices_[b], vertices_[a]), difference(vertices_[c], vertices_[a]))).value_or(Vector{});
   const bool is_flat = dot(normal, normal) == 0;
   return {{a, b, c}, normal, is_flat ? static_cast<long double>(infinity) : dot(normal, vertices_[a])};
 }
@@ -88,7 +74,7 @@ const DifferenceHull::Facet& DifferenceHull::nearest() const {
   return *std::ranges::min_element(facets_, {}, &Facet::height);
 }
 
-/// Whatever facets the vertex sees are replaced by those from the rim of all they cover to the vertex. Every rim is
+/// The facets that the vertex sees are replaced by those from the rim of all they cover to the vertex. Every rim is
 /// closed, so that the surface stays so, whatever roundings say of single facets.
 void DifferenceHull::insert(std::uint32_t vertex) {
   const auto sees = [&](const Facet& facet) {

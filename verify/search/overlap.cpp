@@ -14,10 +14,10 @@ namespace {
 /// Distances and depths are asked for to this share of the size, and no step is shorter.
 constexpr double resolution = 0x1p-10;
 
-/// Of one parting: some milliseconds each.
+/// One parting asks for so many distances at most: some milliseconds each.
 constexpr std::size_t most_distances = 32;
 
-/// Of one direction: until the way is known to a thirtieth.
+/// One direction is halved so often: until the way is known to a thirtieth.
 constexpr int halvings = 5;
 
 /// A direction is worth halving if this share of the best way parts the solids, too.
@@ -30,30 +30,14 @@ Point scaled(const Point& x, double factor) {
   return {x[0] * factor, x[1] * factor, x[2] * factor};
 }
 
-/// Of length 1; nothing for zero.
-std::optional<Point> unit(const Point& v) {
-  const double length = std::sqrt(dot(v, v));
-  return length > 0.0 ? std::optional(scaled(v, 1.0 / length)) : std::nullopt;
-}
-
 /// The 26 directions to the neighbours in a lattice of cubes.
 std::vector<Point> lattice_directions() {
   std::vector<Point> directions;
   for (const double x : {-1.0, 0.0, 1.0})
     for (const double y : {-1.0, 0.0, 1.0})
       for (const double z : {-1.0, 0.0, 1.0})
-        if (const auto direction = unit({x, y, z})) directions.push_back(*direction);
+        if (const auto direction = unit_of(Point{x, y, z})) directions.push_back(*direction);
   return directions;
-}
-
-std::array<Point, 2> across(const Point& v) {
-  std::size_t least = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (std::fabs(v[k]) < std::fabs(v[least])) least = k;
-  Point axis{};
-  axis[least] = 1.0;
-  const Point first = *unit(cross(v, axis));
-  return {first, cross(v, first)};
 }
 
 std::variant<PairDistance, ModelSearch> search_of(const Model& a, const Model& b) {
@@ -134,7 +118,7 @@ Pose Overlap::after(const Point& translation) const {
   return moved;
 }
 
-/// What is left of the ball about the deep point in one of both meets the other.
+/// True if the ball about the deep point in one solid still meets the other solid.
 bool Overlap::still_meet(const Point& translation) const {
   const auto [in_a, in_b] = depths_of_deep_;
   return depths(along(deep_, translation, 1.0))[0] > -in_b || depths(along(deep_, translation, -1.0))[1] > -in_a;
@@ -171,14 +155,15 @@ bool Overlap::shorten(const Point& direction) {
 void Overlap::turn_about_best() {
   constexpr double least_turn = 0.01;
   for (double turn = 0.5; turn > least_turn; turn /= 2) {
-    const auto sides = across(best_);
-    for (std::size_t k = 0; k < 4; ++k) shorten(*unit(along(best_, sides[k / 2], k % 2 == 0 ? turn : -turn)));
+    const Point first = unit_across(best_);
+    const std::array<Point, 2> sides{first, cross(best_, first)};
+    for (std::size_t k = 0; k < 4; ++k) shorten(*unit_of(along(best_, sides[k / 2], k % 2 == 0 ? turn : -turn)));
   }
 }
 
-/// What of B lies in A leaves it by the nearest way out, or what of A lies in B does.
+/// The nearest ways out of A and out of B are tried first.
 std::optional<PartingTranslation> Overlap::parting(const Point& direction, double reach, const Point& deep) {
-  const auto forward = unit(direction);
+  const auto forward = unit_of(direction);
   if (!forward || !(reach > 0.0) || !std::isfinite(reach)) return std::nullopt;
   best_ = *forward;
   way_ = reach;
@@ -191,7 +176,7 @@ std::optional<PartingTranslation> Overlap::parting(const Point& direction, doubl
   const Point out_of_b = difference(in_b, middle(b_.closest_point(in_b, tolerance, interrupted_).point));
   std::vector<Point> directions = lattice_directions();
   for (const Point& out : {*forward, out_of_a, motion_.direction(out_of_b)})
-    if (const auto way = unit(out)) directions.insert(directions.begin(), *way);
+    if (const auto way = unit_of(out)) directions.insert(directions.begin(), *way);
   for (const Point& way : directions) shorten(way);
   turn_about_best();
   if (!(way_ < reach)) return std::nullopt;

@@ -27,7 +27,7 @@ namespace {
 using Vector = Coordinates<long double>;
 using Plain = Coordinates<double>;
 
-/// Of a surface that proves a lower end: what takes a second to find and to check.
+/// A surface that proves a lower end has no more: they take a second to find and to check.
 constexpr std::size_t most_facets = 4000;
 
 /// No closer to the exact depth than this share of the size: vertices are rounded and pulled in.
@@ -51,7 +51,7 @@ ApproximateMotion<long double> about(const RigidMotion& motion) {
 
 // About the farthest points of whole models.
 
-/// Of a mesh: the vertices that have triangles.
+/// The vertices of a mesh that have triangles.
 class MeshCorners {
  public:
   explicit MeshCorners(const Primitive& primitive) {
@@ -73,7 +73,7 @@ class MeshCorners {
   std::vector<Point> corners_;
 };
 
-/// Of a bent superquadric: the farthest of those of its sections.
+/// A bent superquadric: the farthest point of all its sections.
 class BentSolid {
  public:
   explicit BentSolid(const Primitive& primitive)
@@ -297,10 +297,7 @@ void PenetrationDepth::State::improve(const Pose& pose, PenetrationCertificate o
   }
 }
 
-PenetrationDepth::PenetrationDepth(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
-PenetrationDepth::~PenetrationDepth() = default;
-PenetrationDepth::PenetrationDepth(PenetrationDepth&&) noexcept = default;
-PenetrationDepth& PenetrationDepth::operator=(PenetrationDepth&&) noexcept = default;
+PenetrationDepth::PenetrationDepth(const Model& a, const Model& b) : state_(hidden<State>(a, b)) {}
 
 CertifiedPenetration PenetrationDepth::operator()(const Pose& pose, const PenetrationOptions& options) const {
   verify::require_valid(pose, "pose");
