@@ -58,25 +58,13 @@ double volume(const Superquadric& solid) {
   return middle * a3 * integrated_sections(solid);
 }
 
-namespace {
-
-/// A mesh has no sizes to choose from.
-double size_of_superquadrics(std::span<const Primitive> primitives) {
-  double size = 0.0;
-  for (const Primitive& primitive : primitives)
-    if (!primitive.mesh) size += volume(primitive.superquadric);
-  return size;
-}
-
-}  // namespace
-
 }  // namespace fit_search
 
 double implant_size(const Model& implant) {
   verify::require_valid_with_meshes(implant);
-  double size = fit_search::size_of_superquadrics(implant.primitives);
+  double size = 0.0;
   for (const Primitive& primitive : implant.primitives)
-    if (primitive.mesh) size += std::fabs(signed_volume(*primitive.mesh));
+    size += primitive.mesh ? std::fabs(signed_volume(*primitive.mesh)) : fit_search::volume(primitive.superquadric);
   return size;
 }
 
@@ -231,9 +219,8 @@ constexpr double weights_of_all_points = 100.0;
 
 }  // namespace
 
-SizeAim::SizeAim(const CandidateSpace& space, double weight)
-    : least_size_(size_of_superquadrics(space.sized(space.lower()).primitives)) {
-  const double range = size_of_superquadrics(space.sized(space.upper()).primitives) - least_size_;
+SizeAim::SizeAim(const CandidateSpace& space, double weight) : least_size_(implant_size(space.sized(space.lower()))) {
+  const double range = implant_size(space.sized(space.upper())) - least_size_;
   if (!(range > 0.0)) return;  // nothing to choose
   most_ = weights_of_all_points * weight;
   per_size_ = most_ / range;
@@ -241,14 +228,15 @@ SizeAim::SizeAim(const CandidateSpace& space, double weight)
 
 double SizeAim::value(std::span<const Primitive> primitives) const {
   if (most_ == 0.0) return 0.0;
-  return per_size_ * (size_of_superquadrics(primitives) - least_size_);
+  double size = 0.0;
+  for (const Primitive& primitive : primitives) size += volume(primitive.superquadric);
+  return per_size_ * (size - least_size_);
 }
 
 void SizeAim::add_to(Evaluation& evaluation, const Candidate& candidate) const {
   if (most_ == 0.0) return;
   evaluation.objective += value(candidate.primitives);
   for (std::size_t k = 0; k < candidate.primitives.size(); ++k) {
-    if (candidate.primitives[k].mesh) continue;
     const Superquadric& solid = candidate.primitives[k].superquadric;
     const double of_primitive = per_size_ * volume(solid);
     for (std::size_t axis = 0; axis < 3; ++axis)
