@@ -175,9 +175,10 @@ export class PlacedMesh {
   }
 }
 
-// The same bound by the way to a point that binary64 proposes, in binary64, from the middle; 0 where it proves nothing. Let u be
-// 2^-53. A difference, a product and two sums round by 4 u of |n| times the sum of a difference's components, root and
-// quotient by 4 u more: 2^-46 of that sum is a good deal more. Nothing that matters underflows.
+// The same bound in binary64, from the middle, by the way to a point that binary64 proposes; 0 where it proves nothing.
+// Let u be 2^-53. A difference, a product and two sums round by 4 u of |n| times the sum of a difference's components,
+// root and quotient by 4 u more. 2^-46 of that sum is a good deal more, even if a browser's root were off by 2^-48.
+// Nothing that matters underflows.
 function lowerInBinary64(q, corners) {
   const n = pointAt(sharesOfClosest(q, corners), corners).map((x, k) => q[k] - x);
   const square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
