@@ -14,7 +14,6 @@
 #include <vector>
 #include <verisq/files.hpp>
 #include <verisq/fit.hpp>
-#include <verisq/fit_bound.hpp>
 
 #include "bench/random_starts.hpp"
 #include "bench/uniform_numbers.hpp"

@@ -26,7 +26,6 @@
 #include "host/command_line/run.hpp"
 #include "host/command_line/shared_inputs.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 

@@ -15,7 +15,7 @@
 #include <verisq/clearance.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/error.hpp>
-#include <verisq/fit_bound.hpp>
+#include <verisq/fit.hpp>
 
 #include "host/command_line/fit_command.hpp"
 #include "host/command_line/inputs.hpp"

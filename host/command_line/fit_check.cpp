@@ -15,13 +15,13 @@
 #include <vector>
 #include <verisq/clearance.hpp>
 #include <verisq/files.hpp>
-#include <verisq/fit_bound.hpp>
+#include <verisq/fit.hpp>
 #include <verisq/map_file.hpp>
 
 #include "host/command_line/check_command.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 

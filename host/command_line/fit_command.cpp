@@ -24,7 +24,6 @@
 #include "host/command_line/outputs.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/shared_inputs.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 

@@ -10,7 +10,6 @@
 #include <verisq/clearance.hpp>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
-#include <verisq/fit_bound.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>

@@ -14,7 +14,6 @@
 #include <verisq/files.hpp>
 
 #include "host/command_line/options.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/input_file.hpp"
 

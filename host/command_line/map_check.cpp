@@ -18,9 +18,9 @@
 
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/maps/certified_rows.hpp"
 #include "host/prepare/mesh_geometry.hpp"
@@ -221,7 +221,8 @@ CheckReport check_map(const Checker& checker, MapReader& map, const CheckArgumen
 
 CheckReport checked_map(const CheckArguments& arguments, MapReader& map, const Proven& proven) {
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
-  if (model.primitives.size() == 1 && model.primitives.front().mesh) {
+  const bool is_one_mesh = model.primitives.size() == 1 && model.primitives.front().mesh;
+  if (is_one_mesh && map.elements() == MapElements::vertices) {
     tell(fmt::format(
         "note: {}: inside, a row is minus the distance to the nearest triangle; that is the depth only if no "
         "triangles cross",

@@ -19,7 +19,6 @@
 #include "host/command_line/run.hpp"
 #include "host/command_line/shared_inputs.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/prepare/mesh_geometry.hpp"
 #include "verify/solids/model.hpp"
@@ -116,22 +115,11 @@ bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   return arguments.certificates && arguments.point_radius == 0.0 && is_exact(model) && !single;
 }
 
-/// Refuses the options that meshes do not have so far.
-void refuse_what_meshes_lack(const Model& model, const MapArguments& arguments) {
-  if (!has_mesh(model)) return;
-  const auto refuse_option = [&](std::string_view option, std::string_view why) {
-    refuse(fmt::format("{}: {}: {}", option, arguments.inputs.model, why));
-  };
-  if (arguments.on == MapElements::triangles && arguments.certificates)
-    refuse_option("--certificates with --on triangles",
-                  "distances to meshes have certificates for points alone so far");
-  if (arguments.method == Method::published) refuse_option("--method published", "not supported for meshes");
-}
-
 /// The library refuses the same without naming file and option.
 void refuse_what_needs_convexity(const UncertainModel& uncertain, const MapArguments& arguments) {
   const Model model = bracket(uncertain).largest;
-  refuse_what_meshes_lack(model, arguments);
+  if (has_mesh(model) && arguments.method == Method::published)
+    refuse(fmt::format("--method published: {}: not supported for meshes", arguments.inputs.model));
   if (is_union_of_convex(model) || has_mesh(model)) return;
   const auto refuse_option = [&](std::string_view option) {
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,

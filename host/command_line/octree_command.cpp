@@ -15,7 +15,6 @@
 #include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/words.hpp"
 

@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 

@@ -20,9 +20,9 @@
 
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/inputs.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/proof/way_checker.hpp"

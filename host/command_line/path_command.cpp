@@ -20,7 +20,6 @@
 #include "host/command_line/run.hpp"
 #include "host/command_line/shared_inputs.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {

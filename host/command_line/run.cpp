@@ -18,7 +18,6 @@
 #include <verisq/version.hpp>
 
 #include "host/command_line/options.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {

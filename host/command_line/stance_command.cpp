@@ -18,13 +18,11 @@
 #include <verisq/error.hpp>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "host/command_line/inputs.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/outputs.hpp"
 #include "host/command_line/run.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 #include "host/stance/stance_results.hpp"

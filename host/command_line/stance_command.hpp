@@ -5,13 +5,12 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "host/command_line/options.hpp"
 #include "host/command_line/run.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/stance/stance_results.hpp"
 
 namespace verisq::command_line {

@@ -30,7 +30,6 @@
 #include "host/command_line/run.hpp"
 #include "host/command_line/shared_inputs.hpp"
 #include "host/command_line/summaries.hpp"
-#include "host/command_line/values.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/mpi/shared_map.hpp"
 

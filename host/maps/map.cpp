@@ -236,8 +236,8 @@ class SolidTriangleProver {
         tolerance_(searched_tolerance(options, radius_)),
         stop_(either(options.interrupted, options.out_of_time)),
         search_(model) {
-    if (certificates_) verify::require_valid(model);  // of meshes there are none for triangles
-    if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
+    if (certificates_ && !options.covers && !has_mesh(model))
+      verify::require_union_of_convex(model, "certificates without covers");
     const SignedDistance distance(model);
     refuse_empty(model, distance, options.interrupted);
     if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);

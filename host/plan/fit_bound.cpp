@@ -19,7 +19,7 @@
 #include "verisq/device.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
-#include "verisq/fit_bound.hpp"
+#include "verisq/fit.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq::fit_search {

@@ -12,7 +12,7 @@
 #include "verify/search/distance_field.hpp"
 #include "verify/search/fit_box_bound.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/fit_bound.hpp"
+#include "verisq/fit.hpp"
 
 namespace verisq::fit_search {
 

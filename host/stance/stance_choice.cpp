@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 #include <verisq/error.hpp>
-#include <verisq/stance_motion.hpp>
+#include <verisq/stance.hpp>
 
 #include "host/errors/refusal.hpp"
 #include "host/stance/stance_results.hpp"

@@ -13,7 +13,6 @@
 #include <vector>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "host/errors/refusal.hpp"
 #include "verify/stance/sagittal_model.hpp"

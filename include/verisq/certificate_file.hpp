@@ -16,7 +16,7 @@
 #include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/features.hpp>
-#include <verisq/fit_bound.hpp>
+#include <verisq/fit.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>

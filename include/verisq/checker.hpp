@@ -50,8 +50,8 @@ struct Normal {
 /// across the first of its longest edges, false for one that is not. `normals` tell on which side of their primitives
 /// the whole ball lies.
 ///
-/// For a point and a union with meshes: of meshes nothing is needed, as a checker finds their nearest triangles itself.
-/// `normals` and `escape` are of the other primitives, and of the union, as above.
+/// For a union with meshes: of meshes nothing is needed, as a checker finds their nearest triangles itself. `normals`
+/// are of the other primitives, for a point as above, for a triangle as below; `escape` is of the union.
 ///
 /// For a triangle with corners t_i and a union: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its
 /// primitive, unless that is bent; the upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by

@@ -13,7 +13,6 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
-#include <verisq/fit_bound.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>

@@ -12,7 +12,6 @@
 #include <verisq/features.hpp>
 #include <verisq/files.hpp>
 #include <verisq/fit.hpp>
-#include <verisq/fit_bound.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/hidden.hpp>
 #include <verisq/insertion.hpp>
@@ -28,5 +27,4 @@
 #include <verisq/report.hpp>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 #include <verisq/version.hpp>

@@ -1,6 +1,4 @@
-/// This file implements certified_fit.hpp.
-#include "python/module/certified_fit.hpp"
-
+/// The classes verisq.CertifiedBound and verisq.CertifiedContact: what proves a fit's bound and contact again.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 

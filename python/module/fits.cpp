@@ -20,10 +20,9 @@
 #include <verisq/device.hpp>
 #include <verisq/distance.hpp>
 #include <verisq/error.hpp>
-#include <verisq/fit_bound.hpp>
+#include <verisq/fit.hpp>
 #include <verisq/fit_solution.hpp>
 
-#include "python/module/certified_fit.hpp"
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"
 

@@ -22,8 +22,10 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
+#include <verisq/deviation.hpp>
 #include <verisq/distance.hpp>
 #include <verisq/features.hpp>
+#include <verisq/fit.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_topology.hpp>
@@ -283,5 +285,25 @@ struct PythonMap {
 
 /// A copy of finished rows.
 [[nodiscard]] PythonMap map_of_rows(std::span<const MapResult> rows, const MapSummary& summary, double tolerance);
+
+// The class verisq.CertifiedBound: how good a fit can be at best, with what proves it again.
+
+struct PythonCertifiedBound {
+  BestFitClaim claim;
+  BestFitCertificate certificate;
+};
+
+void declare_class_of_certified_bounds(pybind11::module_& module);
+
+// The class verisq.CertifiedContact: how much of a mesh's area is in contact, with what proves it again.
+
+struct PythonCertifiedContact {
+  std::vector<std::string> areas;  ///< names of the regions
+  ContactTerms terms;
+  ContactClaims claims;
+  ContactCertificate certificate;
+};
+
+void declare_class_of_certified_contacts(pybind11::module_& module);
 
 }  // namespace verisq::python

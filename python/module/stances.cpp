@@ -16,7 +16,6 @@
 #include <vector>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "python/module/module.hpp"
 #include "python/module/pickling.hpp"

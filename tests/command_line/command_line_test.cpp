@@ -1546,6 +1546,25 @@ TEST_F(CommandLine, ProvesTrianglesAboutBendsAndSetOperationsAgain) {
   }
 }
 
+TEST_F(CommandLine, ProvesTrianglesAboutMeshesAgain) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto solid =
+      write("solid.off", "OFF\n4 4 0\n9 0 0\n10 0 0\n9 1 0\n9 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  for (const char* name : {"map.csv", "map.vtp"}) {
+    for (const char* radius : {"0", "0.125"}) {
+      ASSERT_EQ(map({"--model", solid, "--mesh", mesh, "--on", "triangles", "--certificates", "--point-radius", radius,
+                     "--tol", "1", "-o", path(name)})
+                    .status,
+                0);
+      const auto outcome =
+          run({"check", "--model", solid, "--mesh", mesh, "--map", path(name), "--point-radius", radius});
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_THAT(outcome.out, HasSubstr("proved             4"));
+      EXPECT_EQ(outcome.err, "") << "nothing of depths: triangles have none";
+    }
+  }
+}
+
 TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto poses = write("poses.csv", "0,0,3,1,0,0,0\n");

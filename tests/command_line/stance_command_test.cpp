@@ -18,7 +18,7 @@
 #include <thread>
 #include <utility>
 #include <vector>
-#include <verisq/stance_motion.hpp>
+#include <verisq/stance.hpp>
 
 #include "host/stance/stance_results.hpp"
 #include "tests/fixtures/places.hpp"

@@ -12,7 +12,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/small_hook.hpp"
 #include "verify/proof/objective_bound.hpp"
-#include "verisq/fit_bound.hpp"
+#include "verisq/fit.hpp"
 
 namespace verisq {
 namespace {

@@ -1,5 +1,5 @@
 /// The bound of a fit: that no sampled pose exceeds it, within boxes and over the whole range, and that it gets tight.
-#include "verisq/fit_bound.hpp"
+#include "host/plan/fit_bound.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,13 +7,13 @@
 #include <array>
 #include <random>
 
-#include "host/plan/fit_bound.hpp"
 #include "host/prepare/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/fit_objective.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/small_hook.hpp"
 #include "verisq/distance.hpp"
+#include "verisq/fit.hpp"
 
 namespace verisq {
 namespace {

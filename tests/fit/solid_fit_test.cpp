@@ -16,7 +16,6 @@
 #include "verisq/error.hpp"
 #include "verisq/files.hpp"
 #include "verisq/fit.hpp"
-#include "verisq/fit_bound.hpp"
 
 namespace verisq {
 namespace {

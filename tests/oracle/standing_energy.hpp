@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 #include <verisq/stance.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
 

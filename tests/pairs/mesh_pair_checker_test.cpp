@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/distance.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -382,6 +385,105 @@ TEST(MeshPathCertificate, EndsOfATurningRodGoFarthest) {
     whole.parts = {{1.0, {}}};
     EXPECT_LE(PathChecker(a, b, turn).prove(whole, {}).smallest.lo, found.smallest.hi);
   }
+}
+
+// Triangles about models with meshes.
+
+std::vector<Triangle> triangles_of(const Model& model) {
+  const Mesh& mesh = *model.primitives[0].mesh;
+  std::vector<Triangle> triangles;
+  for (const auto& [i, j, k] : mesh.triangles)
+    triangles.push_back({mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]});
+  return triangles;
+}
+
+/// What a checker proves of the nearest of B's triangles, which is as far as B.
+TEST(MeshTriangleCertificate, EnclosesKnownDistancesTightlyAndProvesNoFalseClaim) {
+  constexpr Enclosure anything{0.0, std::numeric_limits<double>::infinity()};
+  Random random(25);
+  for (std::size_t n = 0; n < 5 * count(); ++n) {
+    const auto [a, b, gap] = known_pair(random, n);
+    const Checker checker{UncertainModel(a)};
+    Enclosure least = {anything.hi, anything.hi};
+    for (const Triangle& triangle : triangles_of(b)) {
+      const Enclosure proven = checker(triangle, anything, {}).proven;
+      ASSERT_GE(proven.hi, gap) << n;
+      least = {std::min(least.lo, proven.lo), std::min(least.hi, proven.hi)};
+      const double off = gap * std::exp2(std::round(random.uniform(-50.0, 3.0)));
+      const Certificate forged{{{0, {0.0, 0.0, 1.0}}}, Point{}, std::array{0.25, 0.5}, Point{}, {false}};
+      ASSERT_NE(checker(triangle, {std::max(0.0, gap - 2.0 * off), std::max(0.0, gap - off)}, forged).verdict,
+                Verdict::proved);
+      ASSERT_NE(checker(triangle, {0.0, 0.0}, forged).verdict, Verdict::proved) << n;
+      ASSERT_NE(checker(triangle, {proven.hi + off, proven.hi + 2.0 * off}, forged).verdict, Verdict::proved) << n;
+    }
+    ASSERT_LE(least.lo, gap) << n;
+    ASSERT_LE(least.width(), 0x1p-51 * gap) << n;
+  }
+}
+
+/// The checker shares no code with the search.
+TEST(MeshTriangleCertificate, ProvesWhatTheSearchFinds) {
+  Random random(26);
+  std::size_t apart = 0;
+  std::size_t meeting = 0;
+  for (const Model& model : solids()) {
+    if (!has_mesh(model)) continue;
+    const TriangleSearch search(model);
+    const Checker checker{UncertainModel(model)};
+    for (std::size_t n = 0; n < 2 * count(); ++n) {
+      Triangle triangle;
+      const double size = std::exp2(random.uniform(-6.0, 2.0));
+      for (Point& corner : triangle)
+        for (double& x : corner) x = size * random.uniform(-1.0, 1.0);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double by = random.uniform(-2.5, 2.5);
+        for (Point& corner : triangle) corner[i] += by;
+      }
+      const Enclosure found = search(triangle, 0.0);
+      const auto [distance, certificate] = search.certified(triangle, 0.0);
+      ASSERT_EQ(checker(triangle, distance, certificate).verdict, Verdict::proved) << n;
+      ASSERT_LE(distance.lo, found.hi) << n;
+      ASSERT_GE(distance.hi, found.lo) << n;
+      ASSERT_LE(distance.width(), 1e-11) << n;
+      const double off = 1e-9 + distance.hi / 8.0;
+      ASSERT_NE(checker(triangle, {distance.hi + off, distance.hi + 2.0 * off}, certificate).verdict, Verdict::proved);
+      if (distance.lo > 0.0) {
+        ASSERT_NE(checker(triangle, {0.0, 0.5 * distance.lo}, certificate).verdict, Verdict::proved) << n;
+      }
+      apart += distance.lo > 0.0 ? 1 : 0;
+      meeting += distance.hi == 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(apart, count());
+  EXPECT_GT(meeting, count() / 2);
+}
+
+/// Within a solid, through its face, and exactly through an edge between two of its triangles.
+TEST(MeshTriangleCertificate, MeetsWhatItEntersOrLiesIn) {
+  const Model solid =
+      model_of(tetrahedron_of({Point{-9.0, -8.0, 0.0}, {9.0, -8.0, 0.0}, {0.0, 10.0, 0.0}, {0.0, 0.0, -7.0}}));
+  const Checker checker{UncertainModel(solid)};
+  const TriangleSearch search(solid);
+  const Triangle within{{{0.0, 0.0, -1.0}, {1.0, 0.0, -1.0}, {0.0, 1.0, -1.0}}};
+  const Triangle through_face{{{0.5, 0.25, 3.0}, {0.25, 0.5, -20.0}, {40.0, 40.0, 3.0}}};
+  const Triangle through_edge{{{0.0, -8.0, 4.0}, {0.0, -8.0, -4.0}, {0.0, -30.0, 0.0}}};
+  for (const Triangle& triangle : {within, through_face, through_edge}) {
+    EXPECT_EQ(search.certified(triangle, 0.0).distance, (Enclosure{0.0, 0.0}));
+    EXPECT_EQ(checker(triangle, {0.0, 0.0}, {}).verdict, Verdict::proved);
+    EXPECT_EQ(checker(triangle, {0x1p-1000, 1.0}, {}).verdict, Verdict::refuted);
+  }
+}
+
+TEST(MeshTriangleCertificate, LeavesHollowsFreeAndPlacesAtTheEndOfAllNumbersOpen) {
+  const Model shell = model_of(join(moved(sphere_mesh(2), 2.0), turned(sphere_mesh(2))));
+  const Triangle in_hollow{{{0.25, 0.0, 0.0}, {0.0, 0.25, 0.0}, {0.0, 0.0, 0.25}}};
+  const auto [distance, certificate] = TriangleSearch(shell).certified(in_hollow, 0.0);
+  EXPECT_GT(distance.lo, 0.6);
+  EXPECT_LT(distance.hi, 0.76);
+  EXPECT_EQ(Checker{UncertainModel(shell)}(in_hollow, distance, certificate).verdict, Verdict::proved);
+  const Triangle far{{{1e308, 0, 0}, {0, 1e308, 0}, {0, 0, -1e308}}};
+  const Finding finding = Checker{UncertainModel(shell)}(far, {1.0, 2.0}, {});
+  EXPECT_NE(finding.verdict, Verdict::proved);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_pairs.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verify/search/difference_hull.hpp"
+#include "verify/search/overlap.hpp"
 
 namespace verisq {
 namespace {

@@ -1,6 +1,4 @@
 /// Distances of triangles to triangles, to meshes, and of whole solids: known ones, and those that samples bound.
-#include "verify/search/mesh_pair.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/exact_mesh.hpp"
 #include "verify/proof/triangle_tree.hpp"
+#include "verify/search/mesh_union.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,6 +1,4 @@
 /// Closed meshes over cubes: colours and half-spaces against exact membership, and distances to sets of meshes.
-#include "verify/search/mesh_in_cube.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +15,7 @@
 #include "tests/oracle/exact_mesh.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/triangle_tree.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_distance.hpp"
 #include "verify/solids/superquadric.hpp"

@@ -14,7 +14,6 @@
 #include <verisq/error.hpp>
 #include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/stance_example.hpp"

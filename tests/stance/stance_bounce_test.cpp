@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 #include <verisq/enclosure.hpp>
-#include <verisq/stance_motion.hpp>
+#include <verisq/stance.hpp>
 
 #include "tests/fixtures/stance_example.hpp"
 #include "verify/stance/bounce.hpp"

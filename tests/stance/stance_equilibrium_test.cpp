@@ -7,7 +7,6 @@
 #include <random>
 #include <verisq/error.hpp>
 #include <verisq/stance.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "tests/oracle/standing_energy.hpp"
 

@@ -1,7 +1,5 @@
 /// Proven motions against an ordinary integration of another formulation: nine free bodies, each with its own
 /// coordinates, held together by forces at the joints (Lagrange's equations of the first kind), Runge and Kutta.
-#include "verisq/stance_motion.hpp"
-
 #include <gmock/gmock.h>
 
 #include <Eigen/Dense>
@@ -12,13 +10,13 @@
 #include <random>
 #include <utility>
 #include <verisq/error.hpp>
-#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
 
 #include "host/stance/stance_results.hpp"
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/stance/taylor_model.hpp"
+#include "verisq/stance.hpp"
 
 namespace verisq::stance {
 namespace {

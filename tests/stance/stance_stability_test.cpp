@@ -7,7 +7,6 @@
 #include <random>
 #include <verisq/error.hpp>
 #include <verisq/stance.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "verify/stance/linear_systems.hpp"

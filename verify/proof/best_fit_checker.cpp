@@ -12,7 +12,7 @@
 #include "verify/proof/objective_bound.hpp"
 #include "verify/solids/model.hpp"
 #include "verisq/error.hpp"
-#include "verisq/fit_bound.hpp"
+#include "verisq/fit.hpp"
 
 namespace verisq {
 

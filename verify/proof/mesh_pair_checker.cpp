@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/numbers/functions.hpp"
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proposals/gjk.hpp"
@@ -15,65 +16,83 @@ namespace verisq::verify {
 
 namespace {
 
+// Of 127 bits, and of binary64: the latter shows quickly that most triangles are not the nearest.
+
+template <class T>
+using Corners3 = std::array<Vector3<T>, 3>;
+
 /// From a point of the triangle, about the nearest.
-PreciseVector way_from_triangle(const PreciseTriangle& t, const PreciseVector& x) {
-  const PreciseVector ab = t[1] - t[0];
-  const PreciseVector ac = t[2] - t[0];
-  const PreciseVector way = x - t[0];
-  if (const auto from_face = way_from_face(way, ab, ac, cross(ab, ac))) return *from_face;
+template <class T>
+Vector3<T> way_from_triangle(const Corners3<T>& t, const Vector3<T>& x) {
+  const Vector3<T> ab = t[1] - t[0];
+  const Vector3<T> ac = t[2] - t[0];
+  const Vector3<T> way = x - t[0];
+  if (const auto from_face = way_from_face(way, ab, ac, Vector3<T>(cross(ab, ac)))) return *from_face;
   const std::array sides{way_from_side(way, ab), way_from_side(way, ac),
-                         way_from_side(PreciseVector(x - t[1]), PreciseVector(t[2] - t[1]))};
-  return *std::ranges::min_element(sides, {}, [](const PreciseVector& v) { return length<Real>(v).upper(); });
+                         way_from_side(Vector3<T>(x - t[1]), Vector3<T>(t[2] - t[1]))};
+  return *std::ranges::min_element(sides, {}, [](const Vector3<T>& v) { return length<T>(v).upper(); });
 }
 
 /// From a point of one side to a point of the other, about the nearest (Ericson, Real-Time Collision Detection, 5.1.9).
-PreciseVector way_between_sides(const PreciseVector& from_a, const PreciseVector& to_a, const PreciseVector& from_b,
-                                const PreciseVector& to_b) {
-  const PreciseVector along_a = to_a - from_a;
-  const PreciseVector along_b = to_b - from_b;
-  const PreciseVector apart = from_a - from_b;
-  const PreciseInterval a = along_a.dot(along_a);
-  const PreciseInterval b = along_a.dot(along_b);
-  const PreciseInterval c = along_a.dot(apart);
-  const PreciseInterval e = along_b.dot(along_b);
-  const PreciseInterval f = along_b.dot(apart);
-  PreciseInterval s = share(b * f - c * e, a * e - b * b);
-  const PreciseInterval t = share(b * s + f, e);
-  s = share(b * t - c, a);
+template <class T>
+Vector3<T> way_between_sides(const Vector3<T>& from_a, const Vector3<T>& to_a, const Vector3<T>& from_b,
+                             const Vector3<T>& to_b) {
+  const Vector3<T> along_a = to_a - from_a;
+  const Vector3<T> along_b = to_b - from_b;
+  const Vector3<T> apart = from_a - from_b;
+  const BasicInterval<T> a = along_a.dot(along_a);
+  const BasicInterval<T> b = along_a.dot(along_b);
+  const BasicInterval<T> c = along_a.dot(apart);
+  const BasicInterval<T> e = along_b.dot(along_b);
+  const BasicInterval<T> f = along_b.dot(apart);
+  BasicInterval<T> s = share(BasicInterval<T>(b * f - c * e), BasicInterval<T>(a * e - b * b));
+  const BasicInterval<T> t = share(BasicInterval<T>(b * s + f), e);
+  s = share(BasicInterval<T>(b * t - c), a);
   return (from_b + along_b * t) - (from_a + along_a * s);
 }
 
 /// The distance of two closed sets: between both ends, which are at least 0.
-struct Bounds {
-  Real lower;
-  Real upper;
+template <class T>
+struct BoundsOf {
+  T lower;
+  T upper;
 };
+using Bounds = BoundsOf<Real>;
 
 /// For any n: A lies in {n·x <= most}, B in {n·x >= least}, so that they are at least (least - most)/|n| apart. Both
 /// are seen from a corner of A, so that nothing is lost where the triangles are far from the origin.
-Real lower_by_normal(const PreciseTriangle& a, const PreciseTriangle& b, const PreciseVector& n) {
-  const PreciseInterval norm = length<Real>(n);
-  if (!(norm.lower() > Real(0))) return {0};
-  const auto along = [&](const PreciseVector& x) { return n.dot(PreciseVector(x - a[0])); };
-  const Real most = std::max({along(a[0]).upper(), along(a[1]).upper(), along(a[2]).upper()});
-  const Real least = std::min({along(b[0]).lower(), along(b[1]).lower(), along(b[2]).lower()});
-  const PreciseInterval gap = PreciseInterval(least) - PreciseInterval(most);
-  return gap.lower() > Real(0) ? (gap / norm).lower() : Real(0);
+template <class T>
+T lower_by_normal(const Corners3<T>& a, const Corners3<T>& b, const Vector3<T>& n) {
+  const BasicInterval<T> norm = length<T>(n);
+  if (!(norm.lower() > T(0))) return T(0);
+  const auto along = [&](const Vector3<T>& x) { return n.dot(Vector3<T>(x - a[0])); };
+  const T most = std::max({along(a[0]).upper(), along(a[1]).upper(), along(a[2]).upper()});
+  const T least = std::min({along(b[0]).lower(), along(b[1]).lower(), along(b[2]).lower()});
+  const BasicInterval<T> gap = BasicInterval<T>(least) - BasicInterval<T>(most);
+  return gap.lower() > T(0) ? BasicInterval<T>(gap / norm).lower() : T(0);
 }
 
-/// 1 where the point is proven to lie before the triangle, -1 behind it, else 0.
-int side_of(const PreciseTriangle& t, const PreciseVector& x) {
+/// 1 where the point is proven to lie before the triangle, -1 behind it, 0 in its plane; nothing where none is proven.
+std::optional<int> side_of(const PreciseTriangle& t, const PreciseVector& x) {
   const PreciseInterval height = cross(PreciseVector(t[1] - t[0]), PreciseVector(t[2] - t[0])).dot(x - t[0]);
   if (height.lower() > Real(0)) return 1;
-  return height.upper() < Real(0) ? -1 : 0;
+  if (height.upper() < Real(0)) return -1;
+  return height.lower() == height.upper() ? std::optional(0) : std::nullopt;
 }
 
 /// True proves that the side passes through the triangle: its ends lie on both sides of the plane, and its line leaves
-/// the three sides on one hand.
+/// the three sides on one hand, or meets them.
 bool passes_through(const PreciseVector& from, const PreciseVector& to, const PreciseTriangle& t) {
-  if (side_of(t, from) * side_of(t, to) >= 0) return false;
-  const auto hand = [&](std::size_t k) { return side_of({from, to, t[k]}, t[(k + 1) % 3]); };
-  return hand(0) != 0 && hand(0) == hand(1) && hand(1) == hand(2);
+  if (side_of(t, from).value_or(0) * side_of(t, to).value_or(0) >= 0) return false;
+  int least = 0;
+  int most = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::optional<int> hand = side_of({from, to, t[k]}, t[(k + 1) % 3]);
+    if (!hand) return false;
+    least = std::min(least, *hand);
+    most = std::max(most, *hand);
+  }
+  return least == 0 || most == 0;
 }
 
 bool cross_each_other(const PreciseTriangle& a, const PreciseTriangle& b) {
@@ -85,22 +104,41 @@ bool cross_each_other(const PreciseTriangle& a, const PreciseTriangle& b) {
 
 /// Triangles that do not meet are nearest where a corner of one is nearest to the other triangle, or where two sides
 /// are: then the way between them is the normal that proves the lower end.
-Bounds distance_of(const PreciseTriangle& a, const PreciseTriangle& b) {
-  PreciseVector nearest;
-  Real upper = infinity;
-  const auto offer = [&](const PreciseVector& way) {
-    const Real length_of_way = length<Real>(way).upper();
+template <class T>
+BoundsOf<T> bounds_by_ways(const Corners3<T>& a, const Corners3<T>& b) {
+  Vector3<T> nearest;
+  T upper = infinity;
+  const auto offer = [&](const Vector3<T>& way) {
+    const T length_of_way = length<T>(way).upper();
     if (!(length_of_way < upper)) return;
     upper = length_of_way;
     nearest = way;
   };
   for (std::size_t k = 0; k < 3; ++k) {
-    offer(way_from_triangle(a, b[k]));
-    offer(-way_from_triangle(b, a[k]));
-    for (std::size_t j = 0; j < 3; ++j) offer(way_between_sides(a[k], a[(k + 1) % 3], b[j], b[(j + 1) % 3]));
+    offer(way_from_triangle<T>(a, b[k]));
+    offer(-way_from_triangle<T>(b, a[k]));
+    for (std::size_t j = 0; j < 3; ++j) offer(way_between_sides<T>(a[k], a[(k + 1) % 3], b[j], b[(j + 1) % 3]));
   }
-  const Real lower = lower_by_normal(a, b, nearest);
-  return lower > Real(0) || !cross_each_other(a, b) ? Bounds{lower, upper} : Bounds{0, 0};
+  return {lower_by_normal<T>(a, b, nearest), upper};
+}
+
+Bounds distance_of(const PreciseTriangle& a, const PreciseTriangle& b) {
+  const Bounds bounds = bounds_by_ways<Real>(a, b);
+  return bounds.lower > Real(0) || !cross_each_other(a, b) ? bounds : Bounds{0, 0};
+}
+
+/// Enclosures of binary64.
+using RoundedTriangle = Corners3<double>;
+
+RoundedTriangle rounded(const PreciseTriangle& triangle) {
+  return {in_binary64(triangle[0]), in_binary64(triangle[1]), in_binary64(triangle[2])};
+}
+
+RoundedTriangle exactly(const Triangle& triangle) {
+  const auto corner = [&](std::size_t k) -> Vector3<double> {
+    return {triangle[k][0], triangle[k][1], triangle[k][2]};
+  };
+  return {corner(0), corner(1), corner(2)};
 }
 
 // Places in binary64, for the searches in trees.
@@ -167,6 +205,34 @@ Enclosure least_distance(std::vector<Candidate>& candidates, double upper, const
   return {std::min(found.lo, found.hi), found.hi};
 }
 
+/// A triangle in a mesh's frame. No point of it lies outside of the ball.
+struct SeenTriangle {
+  SeenTriangle(const Triangle& triangle, const RigidMotion& motion)
+      : corners(moved(triangle, motion)), about(rounded(corners)) {
+    const Ball own = ball_about(triangle);
+    ball = rounded_ball(motion(precise(own.centre)), own.radius);
+  }
+
+  PreciseTriangle corners;
+  RoundedTriangle about;
+  Ball ball{};
+};
+
+/// The distance to the tree's triangles if that is less than `asked`; what is farther is not looked at. Precondition:
+/// the ball is finite.
+Enclosure distance_of(const TriangleTree& tree, const SeenTriangle& seen, double asked, const Hook& interrupted) {
+  std::vector<Candidate> candidates;
+  double upper = asked;
+  for (const std::uint32_t n : tree.within(seen.ball.centre, add(asked, seen.ball.radius, Direction::up))) {
+    const BoundsOf<double> bounds = bounds_by_ways<double>(exactly(tree.triangle(n)), seen.about);
+    candidates.push_back({std::max(0.0, bounds.lower), n});  // 0 for NaN
+    upper = std::min(upper, bounds.upper);
+  }
+  return least_distance(candidates, upper, interrupted, [&](std::uint32_t n, double /*asked*/) {
+    return in_binary64(distance_of(corners_of(tree.triangle(n)), seen.corners));
+  });
+}
+
 /// A mesh and a mesh in whose frame it stands by a motion.
 class Meshes {
  public:
@@ -193,23 +259,18 @@ class Meshes {
   [[nodiscard]] Enclosure distance_of_surfaces(const Hook& interrupted) const {
     const TriangleTree& tree = a_.tree();
     std::vector<Candidate> candidates;
-    std::vector<Ball> balls;
     double upper = infinity;
     for (std::uint32_t n = 0; n < b_.tree().size(); ++n) {
       if (interrupted && interrupted()) return {0.0, upper};
       const Ball own = ball_about(b_.tree().triangle(n));
-      balls.push_back(rounded_ball(b_to_a_(precise(own.centre)), own.radius));
-      if (!(balls.back().radius < infinity)) return unknown;
-      const Enclosure to_centre = tree.nearest(balls.back().centre).distance;
-      candidates.push_back({subtract(to_centre.lo, balls.back().radius, Direction::down), n});
-      upper = std::min(upper, add(to_centre.hi, balls.back().radius, Direction::up));
+      const Ball ball = rounded_ball(b_to_a_(precise(own.centre)), own.radius);
+      if (!(ball.radius < infinity)) return unknown;
+      const Enclosure to_centre = tree.nearest(ball.centre).distance;
+      candidates.push_back({subtract(to_centre.lo, ball.radius, Direction::down), n});
+      upper = std::min(upper, add(to_centre.hi, ball.radius, Direction::up));
     }
     return least_distance(candidates, upper, interrupted, [&](std::uint32_t n, double asked) {
-      const PreciseTriangle triangle = moved(b_.tree().triangle(n), b_to_a_);
-      Enclosure found{infinity, infinity};
-      for (const std::uint32_t k : tree.within(balls[n].centre, add(asked, balls[n].radius, Direction::up)))
-        found = least_of(found, in_binary64(distance_of(corners_of(tree.triangle(k)), triangle)));
-      return found;
+      return distance_of(tree, {b_.tree().triangle(n), b_to_a_}, asked, interrupted);
     });
   }
 
@@ -217,17 +278,6 @@ class Meshes {
   const MeshSolid& b_;
   RigidMotion b_to_a_;
 };
-
-using RoundedTriangle = std::array<Vector3<double>, 3>;
-
-RoundedTriangle rounded(const PreciseTriangle& triangle) {
-  RoundedTriangle result;
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < 3; ++i)
-      result[k][i] =
-          Interval(triangle[k][i].lower().to_double(Direction::down), triangle[k][i].upper().to_double(Direction::up));
-  return result;
-}
 
 /// True proves that all of b lies farther along n than all of a: for whatever vector n encloses.
 bool lies_beyond(const RoundedTriangle& b, const RoundedTriangle& a, const Vector3<double>& n) {
@@ -249,18 +299,30 @@ bool are_parted(const RoundedTriangle& a, const RoundedTriangle& b) {
 
 }  // namespace
 
+Enclosure distance_of(const Triangle& triangle, const MeshSolid& mesh, const Hook& interrupted) {
+  const SeenTriangle seen(triangle, mesh.motion().inverse());
+  bool is_outside = false;
+  for (const PreciseVector& corner : seen.corners) {
+    const Enclosure place = mesh.signed_distance_of(corner);
+    if (place.hi <= 0.0) return they_meet;
+    is_outside = is_outside || place.lo > 0.0;
+  }
+  if (!(seen.ball.radius < infinity)) return unknown;
+  const double to_centre = mesh.tree().nearest(seen.ball.centre).distance.hi;
+  const double asked = add(to_centre, seen.ball.radius, Direction::up);
+  const Enclosure of_surface = distance_of(mesh.tree(), seen, asked, interrupted);
+  return is_outside ? of_surface : Enclosure{0.0, of_surface.hi};
+}
+
 bool keep_off_surface(std::span<const Triangle> triangles, const MeshSolid& mesh, const Hook& interrupted) {
   const RigidMotion to_mesh = mesh.motion().inverse();
   return std::ranges::all_of(triangles, [&](const Triangle& triangle) {
     if (interrupted && interrupted()) return false;
-    const Ball in_model = ball_about(triangle);
-    const Ball ball = rounded_ball(to_mesh(precise(in_model.centre)), in_model.radius);
-    if (!(ball.radius < infinity)) return false;
-    const PreciseTriangle own = moved(triangle, to_mesh);
-    const RoundedTriangle about = rounded(own);
-    return std::ranges::all_of(mesh.tree().within(ball.centre, ball.radius), [&](std::uint32_t n) {
-      const PreciseTriangle other = corners_of(mesh.tree().triangle(n));
-      return are_parted(rounded(other), about) || distance_of(other, own).lower > Real(0);
+    const SeenTriangle seen(triangle, to_mesh);
+    if (!(seen.ball.radius < infinity)) return false;
+    return std::ranges::all_of(mesh.tree().within(seen.ball.centre, seen.ball.radius), [&](std::uint32_t n) {
+      const Triangle other = mesh.tree().triangle(n);
+      return are_parted(exactly(other), seen.about) || distance_of(corners_of(other), seen.corners).lower > Real(0);
     });
   });
 }
@@ -318,7 +380,7 @@ class MeshAndSuperquadric {
     if (!has_ends(proposed.separation) || !has_ends(proposed.on_a)) return unknown;
     const PreciseVector on_solid = moved_into(solid_.bounds(), exactly(proposed.on_a));
     return {std::max(0.0, lower_by_normal(solid_, posed, proposed.separation)),
-            length<Real>(way_from_triangle(triangle, on_solid)).upper().to_double(Direction::up)};
+            length<Real>(way_from_triangle<Real>(triangle, on_solid)).upper().to_double(Direction::up)};
   }
 
   const MeshSolid& mesh_;

@@ -1,4 +1,4 @@
-/// Proves distances of two models, one of which has closed meshes, without a certificate.
+/// Proves distances of closed meshes to triangles and to models, without a certificate.
 #pragma once
 
 #include <optional>
@@ -22,6 +22,10 @@ struct MeshModel {
   std::vector<MeshSolid> meshes;
   PosedPrimitives others;
 };
+
+/// Encloses the distance of a triangle, of the model's frame, to the solid: 0 where they meet. Once interrupted, the
+/// lower end is 0. Precondition: finite.
+[[nodiscard]] Enclosure distance_of(const Triangle& triangle, const MeshSolid& mesh, const Hook& interrupted);
 
 /// True proves that these triangles, of the model's frame, have no point in common with those of the mesh. False proves
 /// nothing, as once interrupted. Precondition: finite.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "verify/numbers/points.hpp"
+#include "verify/proof/mesh_pair_checker.hpp"
 #include "verify/proof/mesh_solid.hpp"
 #include "verify/proof/verdict.hpp"
 #include "verify/solids/model.hpp"
@@ -80,12 +81,20 @@ Enclosure ModelChecker::operator()(const Point& point, const Enclosure& claimed,
                  [&] { return "the signed distance at " + text_of(point); });
 }
 
+/// The distance to a union is the least of those to its primitives.
 Enclosure ModelChecker::operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
                                    const Hook& interrupted) const {
-  if (!meshes_.empty()) {
-    throw Error(ErrorKind::input, "distances of triangles are not checked for a model with meshes: ask for points");
-  }
-  return (*others_)(triangle, claimed, certificate, interrupted);
+  Enclosure least{infinity, infinity};
+  const auto join = [&](const Enclosure& of_part) {
+    least = {std::min(least.lo, of_part.lo), std::min(least.hi, of_part.hi)};
+  };
+  for (const std::shared_ptr<const MeshSolid>& mesh : meshes_) join(distance_of(triangle, *mesh, interrupted));
+  if (!others_) return least;
+  if (meshes_.empty()) return (*others_)(triangle, claimed, certificate, interrupted);
+  const Certificate of_others{normals_of_others(certificate), std::nullopt, certificate.weights};
+  // The upper end that meshes prove is not asked for once more.
+  join((*others_)(triangle, {claimed.lo, least.hi <= claimed.hi ? infinity : claimed.hi}, of_others, interrupted));
+  return least;
 }
 
 CubePlaces::CubePlaces(const Model& model) {

@@ -12,9 +12,8 @@ namespace verisq::verify {
 
 class MeshSolid;
 
-/// An ExactChecker of models that may have closed meshes, too. In a union with meshes it checks points alone. A mesh
-/// needs no certificate: normals that name a mesh prove nothing. Immutable after construction: safe to
-/// call from many threads.
+/// An ExactChecker of models that may have closed meshes, too. A mesh needs no certificate: normals that name a mesh
+/// prove nothing. Immutable after construction: safe to call from many threads.
 class ModelChecker {
  public:
   /// Throws Error(input) for a model that is not valid, for a mesh that is not closed, and for a model with meshes that
@@ -25,7 +24,7 @@ class ModelChecker {
   [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate,
                                      const Hook& interrupted = {}) const;
 
-  /// As ExactChecker; throws Error(input) if the model has meshes.
+  /// As ExactChecker. In a union with meshes the others are proven by normals alone.
   [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate,
                                      const Hook& interrupted = {}) const;
 

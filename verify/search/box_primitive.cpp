@@ -9,7 +9,6 @@
 #include "verify/numbers/vector.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/closed_mesh.hpp"
-#include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/solids/bend.hpp"
 #include "verify/solids/superquadric.hpp"

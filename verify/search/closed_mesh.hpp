@@ -1,4 +1,4 @@
-/// A closed mesh as a solid: proven signed distances of points.
+/// A closed mesh as a solid: proven signed distances of points, and what of a cube it fills.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include "verify/proof/mesh_solid.hpp"
 #include "verify/search/triangle_geometry.hpp"
 #include "verify/search/wide_tree.hpp"
-#include "verify/solids/closed_edges.hpp"
+#include "verify/solids/cube.hpp"
 #include "verify/solids/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
@@ -143,5 +143,14 @@ class PosedMesh {
   std::optional<RigidMotion> motion_;
   Turned turned_{};
 };
+
+/// Colour of the solid. Black cubes are free of triangles, those within the solid, too. For a point: black where it is
+/// proven to lie inside, white where it is proven to lie outside.
+[[nodiscard]] Colour colour(const PosedMesh& mesh, const Cube& cube);
+
+/// A half-space that contains the part of the solid, or of the closure of its complement, in the cube. It touches the
+/// surface in the cube. It proves nothing where the surface has no one side, and where very many triangles meet the
+/// cube.
+[[nodiscard]] HalfSpace half_space(const PosedMesh& mesh, const Cube& cube, Side side);
 
 }  // namespace verisq::verify

@@ -1,10 +1,10 @@
-/// This file implements difference_hull.hpp.
-#include "verify/search/difference_hull.hpp"
-
+/// This file implements the hull of a difference of overlap.hpp.
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
+
+#include "verify/search/overlap.hpp"
 
 namespace verisq::verify {
 

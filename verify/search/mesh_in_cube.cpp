@@ -1,6 +1,4 @@
-/// This file implements mesh_in_cube.hpp.
-#include "verify/search/mesh_in_cube.hpp"
-
+/// This file implements what closed_mesh.hpp says of cubes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/closed_mesh.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

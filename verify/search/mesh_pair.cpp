@@ -1,6 +1,4 @@
 /// Distances of models to models with meshes.
-#include "verify/search/mesh_pair.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/rounded_motion.hpp"
 #include "verify/solids/model.hpp"
 

@@ -10,7 +10,7 @@
 #include "verify/proof/closed_surface.hpp"
 #include "verify/proof/triangle_tree.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verify/search/mesh_pair.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/rounded_motion.hpp"
 #include "verify/search/triangle_geometry.hpp"
 #include "verify/solids/model.hpp"
@@ -227,13 +227,13 @@ Enclosure distance_of_triangles(std::span<const Triangle> triangles, const WideT
   return NearestTriangles(triangles, tree)(interrupted);
 }
 
-MeshTriangleDistance::MeshTriangleDistance(const Model& model) : solids_(model) {
+MeshTriangleDistance::MeshTriangleDistance(const Model& model) : model_(model), solids_(model) {
   if (solids_.others()) to_others_.emplace(*solids_.others());
 }
 
 /// A triangle that keeps off the surface lies on one side of it: a corner proven to be outside says on which.
-Enclosure MeshTriangleDistance::operator()(const Triangle& triangle) const {
-  Enclosure distance = to_others_ ? (*to_others_)(triangle) : Enclosure{infinity, infinity};
+Enclosure MeshTriangleDistance::to_meshes(const Triangle& triangle) const {
+  Enclosure distance{infinity, infinity};
   for (const MeshUnion::Part& part : solids_.meshes()) {
     bool is_outside = false;
     for (const Point& corner : triangle) {
@@ -250,6 +250,24 @@ Enclosure MeshTriangleDistance::operator()(const Triangle& triangle) const {
     distance = least_of(distance, to_surface);
   }
   return distance;
+}
+
+Enclosure MeshTriangleDistance::operator()(const Triangle& triangle) const {
+  const Enclosure distance = to_meshes(triangle);
+  return to_others_ ? least_of(distance, (*to_others_)(triangle)) : distance;
+}
+
+CertifiedEnclosure MeshTriangleDistance::certified(const Triangle& triangle) const {
+  CertifiedEnclosure found{to_meshes(triangle), {}};
+  if (to_others_) {
+    const CertifiedEnclosure of_others = to_others_->certified(triangle);
+    found.distance = least_of(found.distance, of_others.distance);
+    found.certificate = of_others.certificate;
+    found.certificate.normals = solids_.renumbered(of_others.certificate.normals);
+  }
+  std::call_once(is_checker_made_, [&] { checker_.emplace(model_); });
+  found.distance = (*checker_)(triangle, found.distance, found.certificate);
+  return found;
 }
 
 }  // namespace verisq::verify

@@ -233,14 +233,18 @@ CertifiedEnclosure MeshUnion::joined(const Point& point, std::span<const ClosedM
   for (const ClosedMesh::Distance& distance : to_meshes) join(distance.signed_distance);
   if (to_others) {
     join(to_others->distance);
-    result.certificate.normals = to_others->certificate.normals;
-    for (Normal& normal : result.certificate.normals) normal.primitive = index_of_[normal.primitive];
+    result.certificate.normals = renumbered(to_others->certificate.normals);
   }
   if (to_meshes.size() + index_of_.size() == 1 || result.distance.lo > 0.0) return result;
   result.distance.lo = -infinity;
   result.certificate.escape = escape(point, to_meshes, to_others && !(to_others->distance.lo > 0.0));
   if (result.certificate.escape) result.distance.lo = -distance_up(point, *result.certificate.escape);
   return result;
+}
+
+std::vector<Normal> MeshUnion::renumbered(std::vector<Normal> normals) const {
+  for (Normal& normal : normals) normal.primitive = index_of_[normal.primitive];
+  return normals;
 }
 
 bool MeshUnion::is_outside(const Point& point) const {

@@ -5,7 +5,7 @@
 #include <verisq/distance.hpp>
 #include <verisq/enclosure.hpp>
 
-#include "verify/search/mesh_pair.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/model.hpp"
 

@@ -6,7 +6,6 @@
 
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/search/triangle_bounds.hpp"
 #include "verify/search/triangle_geometry.hpp"
 #include "verify/search/wide_tree.hpp"
 

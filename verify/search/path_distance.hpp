@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "verify/proof/pair_checker.hpp"
-#include "verify/search/mesh_pair.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/solid_pair_distance.hpp"
 #include "verify/solids/paths.hpp"
 #include "verisq/enclosure.hpp"

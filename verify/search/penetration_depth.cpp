@@ -15,7 +15,6 @@
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/pair_checker.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verify/search/difference_hull.hpp"
 #include "verify/search/overlap.hpp"
 #include "verify/search/solid_distance.hpp"
 #include "verify/solids/model.hpp"

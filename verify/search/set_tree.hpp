@@ -33,7 +33,7 @@ class PosedMesh;
 /// Every statement is proven by outward-rounded intervals with binary64 ends. Over a cube of half-width h the
 /// coordinates in the primitive's own frame are an affine function of the position, up to a remainder of order h^2 (0
 /// without a bend). The gauge is convex: half-spaces are loose by the order h^2 only. A mesh has colours and
-/// half-spaces of mesh_in_cube.hpp.
+/// half-spaces of closed_mesh.hpp.
 class BoxPrimitive {
  public:
   /// Throws as ClosedMesh for a mesh.

@@ -20,7 +20,6 @@
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/closed_mesh.hpp"
 #include "verify/search/convex_primitive.hpp"
-#include "verify/search/mesh_in_cube.hpp"
 #include "verify/search/octree_cube.hpp"
 #include "verify/search/polytope_distance.hpp"
 #include "verify/search/set_tree.hpp"

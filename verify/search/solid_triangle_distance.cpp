@@ -15,7 +15,7 @@
 #include "verify/numbers/points.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proposals/support_mapping.hpp"
-#include "verify/search/mesh_pair.hpp"
+#include "verify/search/mesh_union.hpp"
 #include "verify/search/set_tree.hpp"
 #include "verify/search/solid_certificate.hpp"
 #include "verify/solids/model.hpp"
@@ -417,7 +417,7 @@ Enclosure TriangleSearch::operator()(const Triangle& triangle, double tolerance,
 CertifiedEnclosure TriangleSearch::certified(const Triangle& triangle, double tolerance,
                                              const std::function<bool()>& interrupted) const {
   require_query(triangle, tolerance);
-  if (state_->meshes) throw Error(ErrorKind::input, "triangles about meshes have no certificates so far");
+  if (state_->meshes) return state_->meshes->certified(triangle);
   const SearchedSolid& solid = *state_->superquadrics;
   const auto over = [&] { return interrupted && interrupted(); };
   const auto nearest = solid.searched(triangle, share_of_proposal * tolerance, over).nearest();

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "verify/numbers/real.hpp"
-#include "verify/search/triangle_bounds.hpp"
 
 namespace verisq::verify {
 

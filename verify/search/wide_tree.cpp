@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "verify/numbers/points.hpp"
-#include "verify/search/triangle_bounds.hpp"
+#include "verify/search/triangle_geometry.hpp"
 
 namespace verisq::verify {
 

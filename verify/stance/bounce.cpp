@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 #include <verisq/enclosure.hpp>
-#include <verisq/stance_motion.hpp>
+#include <verisq/stance.hpp>
 
 #include "verify/stance/standing.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 #include <vector>
-#include <verisq/stance_motion.hpp>
+#include <verisq/stance.hpp>
 
 #include "verify/stance/collocation.hpp"
 #include "verify/stance/sagittal_model.hpp"

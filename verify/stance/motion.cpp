@@ -7,8 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 #include <verisq/error.hpp>
+#include <verisq/stance.hpp>
 #include <verisq/stance_equilibrium.hpp>
-#include <verisq/stance_motion.hpp>
 
 #include "verify/stance/controlled_motion.hpp"
 
