@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <new>
 #include <optional>
 #include <string>
@@ -55,14 +56,12 @@ void MeshBuilder::check_corner_count(std::int64_t count) const {
 }
 
 void MeshBuilder::add_triangle(const std::array<std::uint32_t, 3>& triangle) {
-  const Point& a = mesh_.vertices[triangle[0]];
-  const Point& b = mesh_.vertices[triangle[1]];
-  const Point& c = mesh_.vertices[triangle[2]];
-  if (has_zero_area(a, b, c)) {
-    file_.fail(fmt::format("triangle {} has zero area: corners {}, {}, {}", mesh_.triangles.size() + 1, text(a),
-                           text(b), text(c)));
+  const auto& [a, b, c] = triangle;
+  if (a == b || b == c || c == a) {
+    folded_.push_back({triangle, mesh_.triangles.size() + folded_.size() + 1});
+  } else {
+    mesh_.triangles.push_back(triangle);
   }
-  mesh_.triangles.push_back(triangle);
 }
 
 void MeshBuilder::add_polygon(std::span<const std::uint32_t> corners) {
@@ -76,8 +75,29 @@ void MeshBuilder::add_polygon(std::span<const std::uint32_t> corners) {
   for (const auto& [a, b, c] : split.triangles) mesh_.triangles.push_back({corners[a], corners[b], corners[c]});
 }
 
+void MeshBuilder::leave_out_folded() const {
+  using Line = std::pair<std::uint32_t, std::uint32_t>;  // the lower vertex first; a point: both alike
+  std::map<Line, std::size_t> alone;                     // the number of the first such triangle
+  for (const auto& [triangle, number] : folded_) {
+    const auto [low, high] = std::ranges::minmax(triangle);
+    alone.try_emplace({low, high}, number);
+  }
+  for (const auto& triangle : mesh_.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      alone.erase(std::minmax(triangle[k], triangle[(k + 1) % 3]));
+      alone.erase({triangle[k], triangle[k]});
+    }
+  }
+  if (alone.empty()) return;
+  const auto& [line, number] = *alone.begin();
+  file_.fail_whole(fmt::format(
+      "triangle {} names a vertex twice, and its line from {} to {} is no side of another triangle: leave it out",
+      number, text(mesh_.vertices[line.first]), text(mesh_.vertices[line.second])));
+}
+
 Mesh MeshBuilder::finish() && {
   if (mesh_.vertices.empty()) file_.fail_whole("no vertices");
+  if (!folded_.empty()) leave_out_folded();
   return std::move(mesh_);
 }
 

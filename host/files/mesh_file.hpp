@@ -56,18 +56,27 @@ class MeshBuilder {
   /// Fails for fewer than three corners.
   void check_corner_count(std::int64_t count) const;
 
-  /// Splits the polygon into triangles by `triangles_of_polygon`. Fails for fewer than three corners, for a triangle of
-  /// exactly zero area and for polygons that cannot be split. Precondition: checked indices.
+  /// Splits the polygon into triangles by `triangles_of_polygon`. A triangle may have no area. Fails for fewer than
+  /// three corners and for polygons that cannot be split. Precondition: checked indices.
   void add_polygon(std::span<const std::uint32_t> corners);
 
-  /// The mesh. Fails when it has no vertices.
+  /// The mesh. Triangles that name a vertex twice are left out: they are sides of other triangles. Fails if one is
+  /// none, and when the mesh has no vertices.
   [[nodiscard]] Mesh finish() &&;
 
  private:
+  /// A triangle that names a vertex twice: a line, or a point.
+  struct Folded {
+    std::array<std::uint32_t, 3> triangle;
+    std::size_t number;  ///< in the file, from 1
+  };
+
   void add_triangle(const std::array<std::uint32_t, 3>& triangle);
+  void leave_out_folded() const;
 
   const InputFile& file_;
   Mesh mesh_;
+  std::vector<Folded> folded_;
   std::uint64_t polygons_ = 0;
   std::vector<Point> polygon_;  // the one added last
 };

@@ -54,7 +54,7 @@ Mesh rounded_to_binary32(Mesh mesh) {
   return mesh;
 }
 
-/// Refuses a mesh that `read_mesh` would refuse. `rounding` states in the message how the numbers were rounded.
+/// Refuses a mesh that `read_mesh` would not give again. `rounding` states in the message how the numbers were rounded.
 void check(const std::filesystem::path& path, const Mesh& mesh, std::string_view rounding) {
   for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
     for (const double coordinate : mesh.vertices[k]) {
@@ -65,8 +65,19 @@ void check(const std::filesystem::path& path, const Mesh& mesh, std::string_view
   }
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto& [a, b, c] = mesh.triangles[k];
-    if (!has_zero_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) continue;
-    throw Error(ErrorKind::input, fmt::format("{}: triangle {} has zero area{}", path.string(), k + 1, rounding));
+    if (a != b && b != c && c != a) continue;
+    throw Error(ErrorKind::input, fmt::format("{}: triangle {} names a vertex twice", path.string(), k + 1));
+  }
+}
+
+/// Refuses a mesh of which rounding takes a triangle's area.
+void check_areas(const std::filesystem::path& path, const Mesh& mesh, const Mesh& rounded) {
+  const auto has_none = [](const Mesh& of, const std::array<std::uint32_t, 3>& corners) {
+    return has_zero_area(of.vertices[corners[0]], of.vertices[corners[1]], of.vertices[corners[2]]);
+  };
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    if (!has_none(rounded, mesh.triangles[k]) || has_none(mesh, mesh.triangles[k])) continue;
+    throw Error(ErrorKind::input, fmt::format("{}: triangle {} has zero area{}", path.string(), k + 1, once_rounded));
   }
 }
 
@@ -145,7 +156,10 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
   const bool rounds = write == write_stl;
   const Mesh& written = rounds ? rounded_to_binary32(mesh) : mesh;
   check(path, written, rounds ? once_rounded : "");
-  if (rounds) check_distinct(path, mesh, written);
+  if (rounds) {
+    check_areas(path, mesh, written);
+    check_distinct(path, mesh, written);
+  }
   OutputFile file(path);
   write(file, written);
   file.finish();

@@ -45,7 +45,8 @@ void write_model(const std::filesystem::path& path, const Model& model, const Fe
 /// The format follows the extension (any case). Coordinates: text to the nearest binary64, binary floats exactly.
 /// Equal STL corners are merged; polygons of other formats are split into triangles.
 /// Throws Error(input) naming file and line or byte position for: NaN, infinity, empty or truncated files, indices
-/// out of range, triangles of exactly zero area, unknown formats.
+/// out of range, unknown formats, and a triangle that names a vertex twice whose line is no side of another triangle:
+/// such sides are left out.
 [[nodiscard]] Mesh read_mesh(const std::filesystem::path& path);
 
 /// The same of the bytes of the file of that name.
@@ -59,9 +60,9 @@ void check_mesh_name(const std::filesystem::path& path);
 
 /// Writes what `read_mesh` reads: PLY (binary little-endian, binary64), OFF and OBJ (text) give the same mesh again;
 /// STL (binary) rounds coordinates to binary32 and forgets vertices of no triangle. The file appears when it is
-/// complete. Throws Error(input) for an unknown format, coordinates that are not finite (in STL: after rounding) and
-/// triangles of exactly zero area (likewise), Error(failure) when the file cannot be written. Precondition: indices
-/// in range.
+/// complete. Throws Error(input) for an unknown format, coordinates that are not finite (in STL: after rounding),
+/// triangles that name a vertex twice and (in STL) those whose area rounding takes, Error(failure) when the file cannot
+/// be written. Precondition: indices in range.
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh);
 
 // Streams points from text (`.csv`) or a NumPy array (`.npy`), a chunk at a time, so that memory does not grow with

@@ -1664,29 +1664,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"OffText", "mesh.off", "OFF\n3 1 0\n0 zero 3\n1 0 3\n0 1 3\n3 0 1 2\n", {"line 3", "zero"}},
         BadFile{"OffIndex", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 3\n", {"line 6", "3"}},
         BadFile{"OffNegativeIndex", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 -1\n", {"line 6", "-1"}},
-        BadFile{"OffZeroArea", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n2 0 3\n3 0 1 2\n", {"line 6", "zero area"}},
-        BadFile{"OffRepeatedCorner", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 1\n", {"line 6", "zero area"}},
+        BadFile{"OffRepeatedCorner",
+                "mesh.off",
+                "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 1\n",
+                {"triangle 1", "vertex twice"}},
         BadFile{"OffTruncated", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n", {"truncated"}},
         BadFile{"OffWithoutVertices", "mesh.off", "OFF\n0 0 0\n", {"no vertices"}},
         BadFile{"EmptyObj", "mesh.obj", "", {"empty"}},
         BadFile{"ObjNan", "mesh.obj", "v 0 0 3\nv 1 NaN 3\nv 0 1 3\nf 1 2 3\n", {"line 2", "NaN"}},
         BadFile{"ObjIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 4\n", {"line 4", "4"}},
         BadFile{"ObjZeroIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 0 1 2\n", {"line 4", "0"}},
-        BadFile{"ObjZeroArea", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\nf 1 2 3\n", {"line 4", "zero area"}},
         BadFile{"EmptyStl", "mesh.stl", "", {"empty"}}, BadFile{"StlText", "mesh.stl", "hello\n", {"solid"}},
         BadFile{"StlNan", "mesh.stl", ascii_stl("0 nan 3"), {"line 6", "nan"}},
-        BadFile{"StlZeroArea", "mesh.stl", ascii_stl("2 0 3"), {"zero area"}},
         BadFile{"StlTruncated", "mesh.stl", "solid s\nfacet normal 0 0 1\nouter loop\n", {"truncated"}},
         BadFile{"BinaryStlTruncated", "mesh.stl", binary_stl(2, {0, 0, 3, 1, 0, 3, 0, 1, 3}), {"truncated", "134"}},
         BadFile{"BinaryStlNan", "mesh.stl", binary_stl(1, {0, 0, 3, 1, nan, 3, 0, 1, 3}), {"byte 84", "nan"}},
         BadFile{"BinaryStlInfinity", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 0, 1, infinite}), {"byte 84", "inf"}},
-        BadFile{"BinaryStlZeroArea", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 2, 0, 3}), {"byte 84", "zero area"}},
         BadFile{"BinaryStlWithoutTriangles", "mesh.stl", binary_stl(0, {}), {"no triangles"}},
         BadFile{"EmptyPly", "mesh.ply", "", {"empty"}},
         BadFile{"PlyWithoutEnd", "mesh.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", {"truncated"}},
         BadFile{"PlyNan", "mesh.ply", ascii_ply("nan 1 3", "3 0 1 2"), {"line 12", "nan"}},
         BadFile{"PlyIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 7"), {"line 13", "7"}},
-        BadFile{"PlyZeroArea", "mesh.ply", ascii_ply("2 0 3", "3 0 1 2"), {"line 13", "zero area"}},
         BadFile{"BinaryPlyTruncated", "mesh.ply", binary_ply_header + bytes(1) + bytes(2), {"byte", "truncated"}},
         BadFile{"BinaryPlyNan",
                 "mesh.ply",
@@ -1752,18 +1750,48 @@ INSTANTIATE_TEST_SUITE_P(
                       BadFile{"StlInfinity", "mesh.stl", ascii_stl("0 inf 3"), {"inf"}},
                       BadFile{"StlOverflow", "mesh.stl", ascii_stl("0 1e400 3"), {"1e400"}},
                       BadFile{"StlWithoutTriangles", "mesh.stl", binary_stl(0, {}), {"no triangles"}},
-                      BadFile{"StlOfZeroArea", "mesh.stl", ascii_stl("2 0 3"), {"zero area"}},
+                      BadFile{"StlOfZeroArea", "mesh.stl", ascii_stl("2 0 3"), {"not closed"}},
                       BadFile{"EmptyObj", "mesh.obj", "", {"empty"}},
                       BadFile{"ObjNan", "mesh.obj", "v 0 0 3\nv 1 NaN 3\nv 0 1 3\nf 1 2 3\n", {"NaN"}},
                       BadFile{"ObjIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 4\n", {"4"}},
-                      BadFile{"ObjOfZeroArea", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\nf 1 2 3\n", {"zero area"}},
+                      BadFile{"ObjOfZeroArea", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\nf 1 2 3\n", {"not closed"}},
                       BadFile{"ObjWithoutTriangles", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\n", {"no triangles"}},
                       BadFile{"EmptyPly", "mesh.ply", "", {"empty"}},
                       BadFile{"PlyInfinity", "mesh.ply", ascii_ply("-inf 1 3", "3 0 1 2"), {"-inf"}},
                       BadFile{"PlyIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 7"), {"7"}},
                       BadFile{"PlyNegativeIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 -1"), {"-1"}},
-                      BadFile{"PlyOfZeroArea", "mesh.ply", ascii_ply("2 0 3", "3 0 1 2"), {"zero area"}}),
+                      BadFile{"PlyOfZeroArea", "mesh.ply", ascii_ply("2 0 3", "3 0 1 2"), {"not closed"}}),
     name_of);
+
+/// A tetrahedron of which one side is divided for one of its two faces, closed by a triangle without area; and a side
+/// as a triangle that names a vertex twice.
+TEST_F(CommandLine, TrianglesWithoutAreaChangeNothing) {
+  const std::string plain =
+      write("plain.off", "OFF\n4 4 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  const std::string thin = write("thin.off",
+                                 "OFF\n5 7 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n1 0 0\n3 0 2 1\n3 0 4 3\n3 4 1 3\n3 0 1 4\n"
+                                 "3 1 2 3\n3 2 0 3\n3 1 2 2\n");
+  const std::string points = write("points.csv", "0.25,0.25,0.25\n3,1,1\n1,0,-2\n");
+  const auto rows_about = [&](const std::string& model) {
+    EXPECT_EQ(map({"--model", model, "--points", points, "--certificates", "-o", path("map.csv")}).status, 0);
+    EXPECT_EQ(run({"check", "--model", model, "--points", points, "--map", path("map.csv")}).status, 0);
+    return rows_of(path("map.csv"));
+  };
+  const std::vector<Row> about_plain = rows_about(plain);
+  const std::vector<Row> about_thin = rows_about(thin);
+  ASSERT_EQ(about_plain.size(), 3U);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_NEAR(about_plain[n].distance.lo, about_thin[n].distance.lo, 1e-14);
+    EXPECT_NEAR(about_plain[n].distance.hi, about_thin[n].distance.hi, 1e-14);
+  }
+  const auto volume_of = [&](const std::string& model) {
+    const Outcome outcome = run({"octree", "--model", model, "--depth", "5", "--json", "-o", path("octree.vtu")});
+    return nlohmann::json::parse(outcome.out).at("volume");
+  };
+  EXPECT_EQ(volume_of(plain), volume_of(thin));
+  ASSERT_EQ(map({"--model", ball, "--mesh", thin, "--on", "triangles", "-o", path("map.csv")}).status, 0);
+  EXPECT_EQ(rows_of(path("map.csv")).size(), 6U);
+}
 
 /// Sheets that enclose nothing, twice the same, turned inward: all are solids, and points know their sides.
 TEST_F(CommandLine, MeshesThatCoincideOrEncloseNothingAreSolids) {

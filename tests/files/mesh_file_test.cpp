@@ -196,15 +196,32 @@ TEST(Stl, TextWithAZeroByteIsText) {
                  ": line 10: expected 'solid', found '\\x00'");
 }
 
+/// A square of two triangles; beside them its diagonal once more, a side, a corner, and a line through three vertices.
+TEST(MeshFile, KeepsTrianglesWithoutAreaUnlessTheyAreSidesOfOthers) {
+  const Mesh obj = read(".obj",
+                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 2 0\n"
+                        "f 1 2 3\nf 1 3 1\nf 1 3 4\nf 2 1 1\nf 4 4 4\nf 1 3 5\n");
+  EXPECT_EQ(obj.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {0, 2, 4}}));
+  std::vector<std::array<Corner, 3>> triangles = two_triangles;
+  triangles.push_back({{{1, 0, 0}, {1, 0, 0}, {0, 0, 0}}});
+  triangles.push_back({{{1, 0, 0}, {2, 0, 0}, {4, 0, 0}}});
+  EXPECT_EQ(read(".stl", binary_stl(triangles)).triangles.size(), 3U);
+  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n";
+  expect_refusal(".obj", three + "f 4 4 4\n",
+                 ": triangle 2 names a vertex twice, and its line from (9, 9, 9) to (9, 9, 9) is no side of another "
+                 "triangle: leave it out");
+}
+
 TEST(Stl, RefusesBinaryValues) {
   auto triangles = two_triangles;
   triangles[1][1][2] = nan;
   expect_refusal(".stl", binary_stl(triangles), ": byte 134: triangle 2: coordinate z = nan: not a finite number");
   triangles[1][1][2] = -std::numeric_limits<float>::infinity();
   expect_refusal(".stl", binary_stl(triangles), ": byte 134: triangle 2: coordinate z = -inf: not a finite number");
-  triangles[1] = {{{1, 0, 0}, {2, 0, 0}, {4, 0, 0}}};
+  triangles[1] = {{{1, 0, 0}, {2, 0, 0}, {2, 0, 0}}};
   expect_refusal(".stl", binary_stl(triangles),
-                 ": byte 134: triangle 2 has zero area: corners (1, 0, 0), (2, 0, 0), (4, 0, 0)");
+                 ": triangle 2 names a vertex twice, and its line from (1, 0, 0) to (2, 0, 0) is no side of another "
+                 "triangle: leave it out");
 }
 
 TEST(Stl, RefusesAscii) {
@@ -216,8 +233,9 @@ TEST(Stl, RefusesAscii) {
   expect_refusal(".stl", "solid\n" + facet("0 0 0", "1 0,5 0", "0 1 0"), ": line 5: y = '0,5': not a number");
   expect_refusal(".stl", "solid\n" + facet("0 0 0", "1 0", "0 1 0"), ": line 5: z is missing");
   expect_refusal(".stl", "solid\n" + facet("0 0 0", "1 0 0 0", "0 1 0"), ": line 5: unexpected '0'");
-  expect_refusal(".stl", "solid\n" + good + facet("0 0 0", "1 0 0", "-0 0 0"),
-                 ": line 13: triangle 2 has zero area: corners (0, 0, 0), (1, 0, 0), (0, 0, 0)");
+  expect_refusal(".stl", "solid\n" + good + facet("0 0 0", "2 0 0", "-0 0 0") + "endsolid\n",
+                 ": triangle 2 names a vertex twice, and its line from (0, 0, 0) to (2, 0, 0) is no side of another "
+                 "triangle: leave it out");
   expect_refusal(".stl", "solid\n" + good, ": line 8: truncated: the file ends without 'endsolid'");
   expect_refusal(".stl", "solid\nfacet\n outer loop\n",
                  ": line 3: truncated: the file ends where 'vertex' should follow");
@@ -264,7 +282,8 @@ TEST(Obj, Refuses) {
                  ": line 4: vertex index = '99999999999999999999': not an integer");
   expect_refusal(".obj", three + "f 1 2\n", ": line 4: number of corners = 2: a face needs at least 3");
   expect_refusal(".obj", three + "\nf 1 2 2\n",
-                 ": line 5: triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (1, 0, 0)");
+                 ": triangle 1 names a vertex twice, and its line from (0, 0, 0) to (1, 0, 0) is no side of another "
+                 "triangle: leave it out");
   expect_refusal(".obj", "# nothing\n", ": no vertices");
   expect_refusal(".obj", std::string("\0\1\2", 3), ": line 1: record '\\x00\\x01\\x02': not one of OBJ");
 }
@@ -435,7 +454,8 @@ TEST(Ply, RefusesAscii) {
   expect_refusal(".ply", ascii_ply(three, 3, "3 0 1 1.5\n", 1), ": line 15: vertex index = '1.5': not an integer");
   expect_refusal(".ply", ascii_ply(three, 3, "3 0 1\n", 1), ": line 15: vertex index is missing");
   expect_refusal(".ply", ascii_ply(three, 3, "3 0 1 0\n", 1),
-                 ": line 15: triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (0, 0, 0)");
+                 ": triangle 1 names a vertex twice, and its line from (0, 0, 0) to (1, 0, 0) is no side of another "
+                 "triangle: leave it out");
   expect_refusal(".ply", ascii_ply(three, 3, "2 0 1\n", 1),
                  ": line 15: number of corners = 2: a face needs at least 3");
   expect_refusal(".ply", ascii_ply(three, 3, "3 0 1 2\n5\n", 1), ": line 16: unexpected '5' after the last element");
@@ -564,7 +584,9 @@ TEST(Off, Refuses) {
   refused(three + "-1 0 1\n", ": line 6: number of corners = -1: a face needs at least 3");
   refused(three + "2 0 1\n", ": line 6: number of corners = 2: a face needs at least 3");
   refused(three + "3 0 1 2 red\n", ": line 6: colour = 'red': not a number");
-  refused(three + "3 0 1 1\n", ": line 6: triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (1, 0, 0)");
+  refused(three + "3 0 1 1\n",
+          ": triangle 1 names a vertex twice, and its line from (0, 0, 0) to (1, 0, 0) is no side of another triangle: "
+          "leave it out");
   refused(three + "3 0 1 2\n3 0 1 2\n", ": line 7: unexpected '3 0 1 2' after the last face");
   refused("OFF\n1 9 0\n0 0 0\n9223372036854775807 0\n",
           ": line 2: number of faces = 9: more than a file of 38 bytes can hold");

@@ -364,7 +364,9 @@ TEST(Vtp, RefusesNumbersThatAreNoSurface) {
   refused({0, 1, 2, 3}, {3, -2}, "offset -2 behind offset 3");
   refused({0, 1, 10}, {3}, "vertex index 10: out of range, the file has 10 vertices, counted from 0");
   refused({0, 1, -1}, {3}, "vertex index -1: out of range, the file has 10 vertices, counted from 0");
-  refused({0, 1, 1}, {3}, "triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (1, 0, 0)");
+  refused({0, 1, 1}, {3},
+          "triangle 1 names a vertex twice, and its line from (0, 0, 0) to (1, 0, 0) is no side of another triangle: "
+          "leave it out");
   refused({0, 1, 4, 0, 2, 1, 3}, {3, 7}, "face 2: its outline crosses or touches itself");
 }
 
@@ -591,7 +593,9 @@ TEST(LegacyVtk, RefusesNumbersThatAreNoSurface) {
   refused({0, 1}, {2}, "number of corners = 2: a face needs at least 3");
   refused({0, 1, 10}, {3}, "vertex index 10: out of range, the file has 10 vertices, counted from 0");
   refused({0, 1, -1}, {3}, "vertex index -1: out of range, the file has 10 vertices, counted from 0");
-  refused({0, 1, 1}, {3}, "triangle 1 has zero area: corners (0, 0, 0), (1, 0, 0), (1, 0, 0)");
+  refused({0, 1, 1}, {3},
+          "triangle 1 names a vertex twice, and its line from (0, 0, 0) to (1, 0, 0) is no side of another triangle: "
+          "leave it out");
 }
 
 TEST(LegacyVtk, RefusesSizesThatDoNotFit) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <verisq/files.hpp>
 
-#include "host/files/mesh_file.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace verisq::fuzz {
@@ -18,7 +17,7 @@ void check_mesh(const Mesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t index : triangle) check(index < mesh.vertices.size(), "indices are those of vertices");
     const auto& [a, b, c] = triangle;
-    check(!has_zero_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]), "triangles have areas");
+    check(a != b && b != c && c != a, "a triangle has three vertices");
   }
 }
 

@@ -624,7 +624,8 @@ TEST(MeshSolid, WhatIsNotCheckedIsRefused) {
   expect_refused([&] { Checker check(uncertain); }, "only if all of its numbers are exact");
   const Checker check(both);
   const Triangle triangle{Point{5, 0, 0}, Point{6, 0, 0}, Point{5, 1, 0}};
-  expect_refused([&] { static_cast<void>(check(triangle, Enclosure{0, 9}, {})); }, "triangles are not checked");
+  EXPECT_EQ(check(triangle, {3, 5}, {{{1, {4, 0, 0}}}, std::nullopt}).verdict, Verdict::proved);
+  EXPECT_EQ(check(triangle, {4.5, 5}, {{{1, {4, 0, 0}}}, std::nullopt}).verdict, Verdict::refuted);
   both.csg = SetExpression{{second, SetExpression{{first, second}, SetOperation::unite}}, SetOperation::unite};
   EXPECT_EQ(Checker(both)(Point{3, 0.5, 0.5}, {1, 3}, {{{1, {2, 0, 0}}}, std::nullopt}).verdict, Verdict::proved);
 }
