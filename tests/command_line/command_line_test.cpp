@@ -1773,8 +1773,9 @@ TEST_F(CommandLine, TrianglesWithoutAreaChangeNothing) {
                                  "3 1 2 3\n3 2 0 3\n3 1 2 2\n");
   const std::string points = write("points.csv", "0.25,0.25,0.25\n3,1,1\n1,0,-2\n");
   const auto rows_about = [&](const std::string& model) {
-    EXPECT_EQ(map({"--model", model, "--points", points, "--certificates", "-o", path("map.csv")}).status, 0);
-    EXPECT_EQ(run({"check", "--model", model, "--points", points, "--map", path("map.csv")}).status, 0);
+    EXPECT_EQ(map({"--model", model, "--points", points, "--certificates", "-o", path("proof.csv")}).status, 0);
+    EXPECT_EQ(run({"check", "--model", model, "--points", points, "--map", path("proof.csv")}).status, 0);
+    EXPECT_EQ(map({"--model", model, "--points", points, "-o", path("map.csv")}).status, 0);
     return rows_of(path("map.csv"));
   };
   const std::vector<Row> about_plain = rows_about(plain);
