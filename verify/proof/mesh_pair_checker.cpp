@@ -292,9 +292,9 @@ bool are_parted(const RoundedTriangle& a, const RoundedTriangle& b) {
     return cross(Vector3<double>(t[1] - t[0]), Vector3<double>(t[2] - t[0]));
   };
   const auto sum = [](const RoundedTriangle& t) { return Vector3<double>(t[0] + t[1] + t[2]); };
-  for (const Vector3<double>& n : {Vector3<double>(sum(b) - sum(a)), normal(a), normal(b)})
-    if (lies_beyond(b, a, n) || lies_beyond(a, b, n)) return true;
-  return false;
+  const std::array normals{Vector3<double>(sum(b) - sum(a)), Vector3<double>(normal(a)), Vector3<double>(normal(b))};
+  return std::ranges::any_of(normals,
+                             [&](const Vector3<double>& n) { return lies_beyond(b, a, n) || lies_beyond(a, b, n); });
 }
 
 }  // namespace

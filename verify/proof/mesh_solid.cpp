@@ -283,7 +283,8 @@ std::vector<Triangle> closed_triangles(const Mesh& mesh) {
 
 /// A box of binary64 numbers about the point.
 struct Box {
-  Point lower, upper;
+  Point lower;
+  Point upper;
 
   explicit Box(const PreciseVector& point) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -416,7 +417,8 @@ Place MeshSolid::place_of_cube(const PreciseVector& centre, const Real& half_wid
   const Place place = at_centre.lo > 0.0 ? Place::outside : Place::inside;
   const PreciseInterval half_diagonal = PreciseInterval(half_width) * sqrt(PreciseInterval(3));
   if (Real(std::max(at_centre.lo, -at_centre.hi)) > half_diagonal.upper()) return place;
-  Point lower, upper;
+  Point lower;
+  Point upper;
   for (std::size_t i = 0; i < 3; ++i) {
     PreciseVector along;
     along[i] = 1;

@@ -124,10 +124,10 @@ bool CubePlaces::lies(Place wanted, const PreciseVector& centre, const Real& hal
     bool may_be_settled = false;  // by smaller parts
     for (const Solid& solid : solids_) {
       const auto* const mesh = std::get_if<std::shared_ptr<const MeshSolid>>(&solid);
-      places.push_back(
-          mesh ? (*mesh)->place_of_cube(part.centre, part.half)
-               : place_of(part.centre + box_of({part.half, part.half, part.half}), std::get<PosedPrimitive>(solid)));
-      may_be_settled = may_be_settled || (!mesh && places.back() == Place::undecided);
+      places.push_back(mesh != nullptr ? (*mesh)->place_of_cube(part.centre, part.half)
+                                       : place_of(part.centre + box_of({part.half, part.half, part.half}),
+                                                  std::get<PosedPrimitive>(solid)));
+      may_be_settled = may_be_settled || (mesh == nullptr && places.back() == Place::undecided);
     }
     const Place place = place_of(set_, places);
     if (place == wanted) continue;
@@ -154,7 +154,8 @@ Real CubePlaces::reach(const PreciseVector& centre) const {
   Real farthest(0);
   for (const Solid& solid : solids_) {
     const auto* const mesh = std::get_if<std::shared_ptr<const MeshSolid>>(&solid);
-    const PreciseInterval reach = mesh ? of_mesh(**mesh) : std::visit(of_primitive, std::get<PosedPrimitive>(solid));
+    const PreciseInterval reach =
+        mesh != nullptr ? of_mesh(**mesh) : std::visit(of_primitive, std::get<PosedPrimitive>(solid));
     farthest = std::max(farthest, reach.upper());
   }
   return farthest;
