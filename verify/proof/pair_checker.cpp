@@ -18,26 +18,6 @@
 
 namespace verisq::verify {
 
-/// The gauge of the result is at most 1.
-PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
-  const Real gauge = solid.gauge_up(x);
-  return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
-}
-
-Real PairBounds::lower_by_vector(const PreciseVector& v) const {
-  const PreciseVector w = relative_.rotation.transpose() * v;
-  const PreciseInterval supports =
-      PreciseInterval(a_->bounds().support_up(v)) + PreciseInterval(b_->bounds().support_up(-w));
-  const PreciseInterval gap = v.dot(relative_.translation) - supports;
-  return (gap / length<Real>(v)).lower();
-}
-
-Real PairBounds::upper_by_points(const PreciseVector& on_a, const PreciseVector& on_b) const {
-  const PreciseVector a = moved_into(a_->bounds(), on_a);
-  const PreciseVector b = relative_(moved_into(b_->bounds(), on_b));
-  return length<Real>(PreciseVector(b - a)).upper();
-}
-
 Enclosure PairBounds::distance(const Separation& separation) const {
   const auto& [primitive_a, primitive_b, vector, on_a, on_b] = separation;
   const bool direction = usable({vector[0], vector[1], vector[2]});
@@ -54,13 +34,6 @@ bool is_in(const PosedSuperquadric& solid, const RigidMotion& to_own_frame, cons
 }
 
 }  // namespace
-
-PosedPrimitives::PosedPrimitives(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
-  for (const PosedSuperquadric& primitive : primitives) {
-    motions.push_back(primitive.motion());
-    inverse_motions.push_back(motions.back().inverse());
-  }
-}
 
 PosedPairs::PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const RigidMotion& motion) : a_(&a), b_(&b) {
   for (const RigidMotion& own : b.motions) moved_.push_back(motion.after(own));

@@ -20,6 +20,12 @@ class MeshPairChecker;
 
 // Two posed superquadrics A and B in A's own frame, and the bounds that one evaluation proves about their distance.
 
+/// x / max(1, g(x)), with g rounded up: a point of the solid.
+[[nodiscard]] inline PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
+  const Real gauge = solid.gauge_up(x);
+  return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
+}
+
 /// Bounds of the distance of A and B (docs/mathematics.md §7), each by a single evaluation in 127-bit interval
 /// arithmetic. Points of B are stated in B's own frame, all else in A's. The solids must outlive this.
 class PairBounds {
@@ -34,10 +40,20 @@ class PairBounds {
 
   /// d >= (v·c - h_A(v) - h_B(R^T v)) / |v| for every v other than 0: A lies in {v·x <= h_A(v)}, B in
   /// {v·x >= v·c - h_B(R^T v)}. Rounded down.
-  [[nodiscard]] Real lower_by_vector(const PreciseVector& v) const;
+  [[nodiscard]] Real lower_by_vector(const PreciseVector& v) const {
+    const PreciseVector w = relative_.rotation.transpose() * v;
+    const PreciseInterval supports =
+        PreciseInterval(a_->bounds().support_up(v)) + PreciseInterval(b_->bounds().support_up(-w));
+    const PreciseInterval gap = v.dot(relative_.translation) - supports;
+    return (gap / length<Real>(v)).lower();
+  }
 
   /// d <= |c + R b / max(1, g_B(b)) - a / max(1, g_A(a))|, because both points are in their solids. Rounded up.
-  [[nodiscard]] Real upper_by_points(const PreciseVector& on_a, const PreciseVector& on_b) const;
+  [[nodiscard]] Real upper_by_points(const PreciseVector& on_a, const PreciseVector& on_b) const {
+    const PreciseVector a = moved_into(a_->bounds(), on_a);
+    const PreciseVector b = relative_(moved_into(b_->bounds(), on_b));
+    return length<Real>(PreciseVector(b - a)).upper();
+  }
 
   /// Both ends rounded outward to binary64; -infinity and infinity for a zero or non-finite vector and for non-finite
   /// points. The lower end may be negative.
@@ -53,7 +69,12 @@ class PairBounds {
 
 /// The primitives of a model with their motions into its frame.
 struct PosedPrimitives {
-  explicit PosedPrimitives(const Model& model);
+  explicit PosedPrimitives(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
+    for (const PosedSuperquadric& primitive : primitives) {
+      motions.push_back(primitive.motion());
+      inverse_motions.push_back(motions.back().inverse());
+    }
+  }
 
   std::vector<PosedSuperquadric> primitives;
   std::vector<RigidMotion> motions;          ///< primitive's frame to model's
@@ -121,9 +142,6 @@ class MovingPairs {
 };
 
 // Checks of the distance of two models, at rest and along a path.
-
-/// x / max(1, g(x)), with g rounded up: a point of the solid.
-[[nodiscard]] PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x);
 
 /// Convex primitives by their support functions and gauges, models with meshes by their triangles, all others by
 /// sections and places. Immutable.
