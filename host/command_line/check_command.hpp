@@ -195,8 +195,8 @@ void refuse_other_units(const std::string& units, const char* what, const std::s
 
 /// `verified` only when the answer is proved. Throws Error(input) for errors that the user can correct, also for models
 /// other than those of the answer.
-ExitStatus run_check(const PairAnswer& answer, const CheckArguments& arguments);
-ExitStatus run_check(const PoseAnswers& answers, const CheckArguments& arguments);
+ExitStatus run_check(const PairAnswer& answer, const CheckArguments& given);
+ExitStatus run_check(const PoseAnswers& answers, const CheckArguments& given);
 
 // Whether one tolerance explains every status of a map: "verified" rows are at most that wide, "wide" rows are wider. A
 // tolerance of 0, which requests the tightest rows, has a width of its own for each row.

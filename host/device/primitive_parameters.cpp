@@ -39,6 +39,20 @@ std::array<double, 9> rotation_matrix(const std::array<double, 4>& quaternion) {
 
 namespace {
 
+// Numbers of many digits on their way to binary64: the constants of kernels are computed with them.
+
+using Extended =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
+
+double round_down(const Extended& x) {
+  const auto nearest = x.convert_to<double>();
+  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
+}
+
+double round_up(const Extended& x) {
+  return -round_down(-x);
+}
+
 constexpr double unit_roundoff = 0x1p-53;
 
 // An integer power of two above which (1 + t^q)^(1/q) is the maximum norm to far below rounding; as a lower bound of
@@ -141,8 +155,7 @@ void set_taper(PrimitiveParameters& out, double ratio) {
   out.reach_up = round_up(Extended(out.reach_up) * (1 + magnitude));  // w = M u, M <= 1 + |k|
 }
 
-}  // namespace
-
+/// The rotation of q/|q|, transposed (model to local frame), row by row, to far more digits than binary64 has.
 std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion) {
   const Extended w(quaternion[0]);
   const Extended x(quaternion[1]);
@@ -154,6 +167,8 @@ std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternio
       (w * w - x * x + y * y - z * z) / n, 2 * (y * z + w * x) / n, 2 * (x * z + w * y) / n, 2 * (y * z - w * x) / n,
       (w * w - x * x - y * y + z * z) / n};
 }
+
+}  // namespace
 
 PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_exponent) {
   PrimitiveParameters out{};

@@ -2,27 +2,9 @@
 #pragma once
 
 #include <array>
-#include <boost/multiprecision/mpfr.hpp>
-#include <cmath>
 #include <verisq/model.hpp>
 
-#include "verisq/enclosure.hpp"
-
 namespace verisq::device {
-
-// Numbers of many digits on their way to binary64: the constants of kernels are computed with them.
-
-using Extended =
-    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
-
-[[nodiscard]] inline double round_down(const Extended& x) {
-  const auto nearest = x.convert_to<double>();
-  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
-}
-
-[[nodiscard]] inline double round_up(const Extended& x) {
-  return -round_down(-x);
-}
 
 // The rotation matrix of a quaternion, for kernels that know how far it may be off.
 
@@ -60,9 +42,6 @@ struct PrimitiveParameters {
 /// Parameters of a primitive in a frame whose unit is 2^-scale_exponent model units, which keeps the numbers of the
 /// kernels near 1. Exact but for underflow, which the kernels' error bounds cover.
 [[nodiscard]] PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_exponent);
-
-/// The rotation of q/|q|, transposed (model to local frame), row by row, to far more digits than binary64 has.
-[[nodiscard]] std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion);
 
 /// The scale for a model: its largest semi-axis comes to lie in [1, 2).
 [[nodiscard]] int scale_exponent(const Model& model);

@@ -33,7 +33,7 @@ constexpr cl_uint round_limit = 512;
 
 // Lanes of a processor's work-item share a block of points about a bent primitive, one vector of which lies on one side
 // of it. A graphics processor's work-item owns one point.
-constexpr std::size_t block_points_of_vector_work_item = 512;
+constexpr std::size_t points_of_vector_work_item = 512;
 
 // The results for each primitive on its own.
 constexpr std::array<std::string_view, 5> part_arguments{"part_los", "part_his", "normal_xs", "normal_ys", "normal_zs"};
@@ -102,7 +102,7 @@ class SolidSlot : public ChunkSlot {
         box_primitives_(model.box_primitives),
         points_{{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
                 queue_.numbers(capacity_)},
-        bent_groups_per_block_(solid_width_ > 1 ? block_points_of_vector_work_item / solid_width_ : 1),
+        bent_groups_per_block_(solid_width_ > 1 ? points_of_vector_work_item / solid_width_ : 1),
         bent_distance_(model.programs.own, kernels::embedded_bent_distance(), "bent_distance"),
         set_feet_(model.programs.own, kernels::embedded_set_bounds(), "set_feet"),
         set_bounds_(model.programs.own, kernels::embedded_set_bounds(), "set_bounds"),

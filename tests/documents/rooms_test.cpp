@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -148,6 +149,65 @@ class Rooms {
  private:
   std::map<std::string, std::string> rooms_;
 };
+
+/// Sources that are compiled as one: the batches of verify/CMakeLists.txt.
+std::vector<std::vector<std::string>> batches_of_search() {
+  std::vector<std::vector<std::string>> batches;
+  std::ifstream in(root / "verify/CMakeLists.txt");
+  bool is_open = false;
+  for (std::string word; in >> word;) {
+    if (word == "BATCH" || word == ")") is_open = word == "BATCH";
+    if (word == "BATCH") {
+      batches.emplace_back();
+    } else if (is_open && word.ends_with(".cpp")) {
+      batches.back().push_back("verify/" + word);
+    }
+  }
+  return batches;
+}
+
+std::string code_of(const std::string& file) {
+  std::ifstream in(root / file);
+  std::string code;
+  for (std::string line; std::getline(in, line);) code += line.substr(0, line.find("//")) + "\n";
+  return code;
+}
+
+/// The functions of its unnamed namespaces, at whose lines' beginning they stand.
+std::set<std::string> private_functions_of(const std::string& file) {
+  static const std::regex declaration(R"(^[A-Za-z_\[][^=(]*[\w>&*\]] ?[&*]*\b(\w+)\(.*)");
+  std::set<std::string> names;
+  std::ifstream in(root / file);
+  bool is_private = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line == "namespace {") is_private = true;
+    if (line == "}  // namespace") is_private = false;
+    std::smatch match;
+    if (is_private && std::regex_match(line, match, declaration)) names.insert(match[1]);
+  }
+  return names;
+}
+
+/// Otherwise a call might choose, of two functions of one name, that of the other file.
+TEST(BatchesTest, CallNoPrivateFunctionOfEachOther) {
+  const auto batches = batches_of_search();
+  ASSERT_GT(batches.size(), 5U);
+  std::size_t functions = 0;
+  for (const std::vector<std::string>& batch : batches) {
+    ASSERT_GT(batch.size(), 1U);
+    for (const std::string& file : batch) {
+      for (const std::string& name : private_functions_of(file)) {
+        ++functions;
+        const std::regex call("(^|[^\\w.>:~])" + name + "\\(");
+        for (const std::string& other : batch) {
+          if (other == file) continue;
+          EXPECT_FALSE(std::regex_search(code_of(other), call)) << other << " and " << file << ": " << name;
+        }
+      }
+    }
+  }
+  EXPECT_GT(functions, 100U);
+}
 
 TEST(RoomsTest, HoldEveryFile) {
   for (const std::string& house : houses) {
