@@ -23,12 +23,18 @@ py::module_ numpy() {
   return py::module_::import("numpy");
 }
 
+/// Functions that read objects of other packages: python/verisq/_objects.py.
+py::object reader(const char* name) {
+  return py::module_::import("verisq._objects").attr(name);
+}
+
 std::string text(const py::handle& object) {
   return py::str(object);
 }
 
 py::array as_array(const py::handle& object, std::string_view name) {
-  py::array array = numpy().attr("asanyarray")(object);
+  py::array array = numpy().attr("asanyarray")(is_mesh(object) ? reader("vertices")(object)
+                                                               : py::reinterpret_borrow<py::object>(object));
   // What is masked would count.
   if (numpy().attr("ma").attr("isMaskedArray")(array).cast<bool>())
     throw py::type_error(fmt::format("{} must not be a masked array: leave out what is masked", name));
@@ -120,6 +126,15 @@ std::vector<std::array<std::int64_t, 3>> corners_of(const py::handle& object) {
 
 }  // namespace
 
+bool is_mesh(py::handle object) {
+  return !py::isinstance<py::array>(object) && reader("is_mesh")(object).cast<bool>();
+}
+
+Mesh mesh_of(py::handle object) {
+  const py::tuple parts = reader("mesh")(object);
+  return mesh(parts[0], parts[1]);
+}
+
 py::array numbers(py::handle object, std::string_view name, const std::vector<py::ssize_t>& shape) {
   const py::array array = as_array(object, name);
   check_shape(array, name, shape);
@@ -141,12 +156,13 @@ std::vector<Point> points(py::handle object, std::string_view name) {
 }
 
 std::vector<Triangle> triangles(py::handle object, std::string_view name) {
+  if (is_mesh(object)) return records<Triangle>(reader("corners")(object), name, {-1, 3, 3});
   return records<Triangle>(object, name, {-1, 3, 3});
 }
 
 std::vector<Pose> poses(py::handle object, std::string_view name) {
   static_assert(sizeof(Pose) == 7 * sizeof(double));
-  return records<Pose>(object, name, {-1, 7});
+  return records<Pose>(reader("poses")(object), name, {-1, 7});
 }
 
 std::vector<std::int64_t> integers(py::handle object, std::string_view name) {
@@ -162,7 +178,7 @@ std::vector<std::int64_t> integers(py::handle object, std::string_view name) {
 
 Pose pose(py::handle object) {
   if (object.is_none()) return {};
-  const py::array numbers_of_pose = numbers(object, "a pose", {7});
+  const py::array numbers_of_pose = numbers(reader("pose")(object), "a pose", {7});
   const Pose result = poses(numbers_of_pose.attr("reshape")(1, 7), "a pose").front();
   const auto finite = [](double number) { return std::isfinite(number); };
   const auto zero = [](double number) { return number == 0.0; };

@@ -312,10 +312,11 @@ class LastMapper {
 };
 
 template <class Query>
-PythonMap map(const PythonModel& model, const py::handle& object, const std::optional<double>& tolerance,
-              const std::string& device, double point_radius, const std::optional<double>& time_limit,
-              bool certificates, const MaybeUncertain& pose_uncertainty) {
+PythonMap map(const PythonModel& unmoved, const py::handle& object, const py::handle& by,
+              const std::optional<double>& tolerance, const std::string& device, double point_radius,
+              const std::optional<double>& time_limit, bool certificates, const MaybeUncertain& pose_uncertainty) {
   const Queries<Query> queries(object);
+  const PythonModel model = by.is_none() ? unmoved : posed(unmoved, pose(by));
   const Settings settings = settings_of(model.bounding_radius(), tolerance, device_for(queries.size(), device),
                                         certificates, point_radius, pose_uncertainty, time_limit);
   if (settings.device == "host") return (*mapper<Query>(model, settings))(queries);
@@ -361,9 +362,10 @@ py::class_<Class> declare_mapper(py::module_& module, const char* name, const ch
 
 template <class Query>
 void declare_map(py::module_& module, const char* name, const char* queries, const char* explanation) {
-  module.def(name, map<Query>, py::arg("model"), py::arg(queries), py::kw_only(), py::arg("tolerance") = py::none(),
-             py::arg("device") = "auto", py::arg("point_radius") = 0.0, py::arg("time_limit") = py::none(),
-             py::arg("certificates") = false, py::arg("pose_uncertainty") = py::none(), explanation);
+  module.def(name, map<Query>, py::arg("model"), py::arg(queries), py::kw_only(), py::arg("pose") = py::none(),
+             py::arg("tolerance") = py::none(), py::arg("device") = "auto", py::arg("point_radius") = 0.0,
+             py::arg("time_limit") = py::none(), py::arg("certificates") = false,
+             py::arg("pose_uncertainty") = py::none(), explanation);
 }
 
 void declare_mappers(py::module_& module) {
@@ -406,12 +408,14 @@ void declare_maps(py::module_& module) {
   declare_mappers(module);
   declare_map<Point>(
       module, "map", "points",
-      "map(model, points, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
+      "map(model, points, *, pose=None, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
       "    certificates=False, pose_uncertainty=None) -> Map\n\n"
       "Encloses the signed distance of each point to the model: positive outside, the Euclidean distance; negative\n"
       "inside, minus the distance to the boundary.\n\n"
       "points: shape (N, 3), in model units; nothing else may write there meanwhile. float64 is read where it lies,\n"
       "    whatever its strides; float32, float16, other byte orders and integers are widened exactly, into a copy.\n"
+      "    A mesh, of this or another package, stands for its vertices.\n"
+      "pose: moves the model first, as Model.posed(pose) does; a Checker proves the rows of that model.\n"
       "tolerance: rows at most as wide are verified, in model units; 0 asks for the tightest. Default: 1e-6 of the\n"
       "    model's bounding_radius.\n"
       "device: \"auto\" (the host for up to 128 rows), \"host\", an index as text or a part of a device's name.\n"
@@ -425,10 +429,11 @@ void declare_maps(py::module_& module) {
       "point that is not finite, and for models and devices as `verisq map` does.");
   declare_map<Triangle>(
       module, "map_triangles", "triangles",
-      "map_triangles(model, triangles, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
+      "map_triangles(model, triangles, *, pose=None, tolerance=None, device=\"auto\", point_radius=0.0, "
+      "time_limit=None,\n"
       "    certificates=False, pose_uncertainty=None) -> Map\n\n"
       "Encloses the distance of each whole triangle to the model, 0 where they meet. triangles: shape (N, 3, 3), the\n"
-      "corners; of a mesh: mesh.vertices[mesh.triangles]. They are copied. Otherwise as map().");
+      "corners; or a mesh, of this or another package. They are copied. Otherwise as map().");
   module.def(
       "map_poses", map_of_poses, py::arg("a"), py::arg("b"), py::arg("poses"), py::kw_only(),
       py::arg("tolerance") = py::none(), py::arg("device") = "auto", py::arg("time_limit") = py::none(),
@@ -436,7 +441,8 @@ void declare_maps(py::module_& module) {
       "map_poses(a, b, poses, *, tolerance=None, device=\"auto\", time_limit=None, pose_uncertainty=None) -> Map\n\n"
       "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
       "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
-      "to R x + t. They are copied. pose_uncertainty: how well each place of b is known, in b's coordinates. "
+      "to R x + t; or rigid matrices (N, 4, 4), or a stack of SciPy's Rotation. They are copied. pose_uncertainty: how "
+      "well each place of b is known, in b's coordinates. "
       "Default tolerance: 1e-6 of the larger bounding_radius. Models with bends or set\n"
       "operations are searched, pose by pose on all processors. time_limit: seconds; then what is open stays valid,\n"
       "and wide. Raises Error as map().");

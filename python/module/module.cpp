@@ -21,7 +21,7 @@ namespace {
 namespace py = pybind11;
 
 constexpr const char* explanation =
-    "What verisq refuses or fails at: one line, that of the command line.\n\n"
+    "What verisq refuses or fails at: one line, that of the command line. It is a ValueError and an OSError, too.\n\n"
     "kind: \"input\" for a file, value or option that the caller can correct; \"failure\" where the program, a device\n"
     "or the file system failed.";
 
@@ -44,8 +44,10 @@ void translate(std::exception_ptr thrown) {
 }  // namespace
 
 void declare_errors(py::module_& module) {
+  const py::tuple bases =
+      py::make_tuple(py::handle(PyExc_ValueError), py::handle(PyExc_OSError));  // as io.UnsupportedOperation
   const auto type =
-      py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc("verisq.Error", explanation, nullptr, nullptr));
+      py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc("verisq.Error", explanation, bases.ptr(), nullptr));
   if (!type) throw py::error_already_set();
   type.attr("kind") = word(ErrorKind::input);
   module.attr("Error") = type;

@@ -134,6 +134,12 @@ auto without_lock(const Work& work) {
 
 // NumPy arrays as queries: where they lie if they are binary64, else widened where that is exact.
 
+/// Whether it is a mesh or cloud, of this or another package: python/verisq/_objects.py knows them by their members.
+[[nodiscard]] bool is_mesh(pybind11::handle object);
+
+/// Precondition: is_mesh. Throws ValueError for polygons that are no triangles, and as `mesh`.
+[[nodiscard]] Mesh mesh_of(pybind11::handle object);
+
 /// Numbers of one shape; -1 stands for any length. The array itself, whatever its strides, if it holds aligned binary64
 /// of this machine's byte order; else a copy, in which every number is the same. Throws TypeError for types whose
 /// numbers binary64 may not hold (but 64-bit integers where all lie within 2^53) and for masked arrays, ValueError for
@@ -144,19 +150,19 @@ auto without_lock(const Work& work) {
 /// The points of an array of shape (N, 3), which must outlive them. Precondition: from `numbers`.
 [[nodiscard]] PointColumns columns(const pybind11::array& points);
 
-/// Copies of an array of shape (N, 3).
+/// Copies of an array of shape (N, 3), or the vertices of a mesh.
 [[nodiscard]] std::vector<Point> points(pybind11::handle object, std::string_view name);
-/// ... (N, 3, 3): corners of triangles.
+/// ... (N, 3, 3): corners of triangles, or those of a mesh.
 [[nodiscard]] std::vector<Triangle> triangles(pybind11::handle object, std::string_view name);
-/// ... (N, 7): translation and quaternion [w, x, y, z].
+/// ... (N, 7): translation and quaternion [w, x, y, z]; or rigid matrices (N, 4, 4), or a stack of SciPy's Rotation.
 [[nodiscard]] std::vector<Pose> poses(pybind11::handle object, std::string_view name);
 
 /// Copies of integers of shape (N,). Throws TypeError for other types, ValueError for other shapes and where they are
 /// beyond 2^53.
 [[nodiscard]] std::vector<std::int64_t> integers(pybind11::handle object, std::string_view name);
 
-/// A sequence of seven numbers, or None: no motion. Throws Error(input) for numbers that are not finite and a
-/// quaternion of zero.
+/// A sequence of seven numbers, what `verisq.pose` takes instead, or None: no motion. Throws Error(input) for numbers
+/// that are not finite and a quaternion of zero.
 [[nodiscard]] Pose pose(pybind11::handle object);
 /// A sequence of three numbers.
 [[nodiscard]] Point point(pybind11::handle object);
@@ -215,6 +221,9 @@ class PythonModel {
 /// The same along ways and for whole meshes, every distance of which is searched: 1e-3 of the radius, and never 0.
 [[nodiscard]] double tolerance_along_way(const std::optional<double>& given, double radius);
 
+/// The model moved. Throws Error(input) for one with intervals.
+[[nodiscard]] PythonModel posed(const PythonModel& model, const Pose& by);
+
 /// Lengths of two models can be compared only in one unit: throws Error(input) where both name one, and not the same.
 void check_units(const PythonModel& a, const PythonModel& b);
 
@@ -230,7 +239,7 @@ struct PythonMesh {
   Mesh mesh;
 };
 
-/// What stands for a mesh: a verisq.Mesh, or an array of points (N, 3): a cloud.
+/// What stands for a mesh: one of this or another package, or an array of points (N, 3): a cloud.
 [[nodiscard]] Mesh mesh_or_cloud(pybind11::handle object);
 
 // The class verisq.Answer, which certified results of all kinds become.

@@ -22,6 +22,22 @@
 namespace verisq::python {
 namespace {
 
+/// A mesh that Python's argument is, and this module's class is made of.
+struct MeshOfAnotherPackage {};
+
+}  // namespace
+}  // namespace verisq::python
+
+template <>
+struct pybind11::detail::type_caster<verisq::python::MeshOfAnotherPackage> {
+  PYBIND11_TYPE_CASTER(verisq::python::MeshOfAnotherPackage, const_name("Mesh"));
+
+  bool load(handle object, bool /*convert*/) { return verisq::python::is_mesh(object); }
+};
+
+namespace verisq::python {
+namespace {
+
 namespace py = pybind11;
 
 }  // namespace
@@ -219,6 +235,11 @@ const Model& PythonModel::exact(std::string_view what) const {
   return largest_;  // an exact model is its own bracket
 }
 
+PythonModel posed(const PythonModel& model, const Pose& by) {
+  return PythonModel(verisq::posed(model.exact("moving a model"), by), verisq::posed(model.landmarks(), by),
+                     model.areas());
+}
+
 void check_units(const PythonModel& a, const PythonModel& b) {
   const std::string& of_a = a.model().units;
   const std::string& of_b = b.model().units;
@@ -292,15 +313,10 @@ void declare_models(py::module_& module) {
           "which are the bone's, are left out. Raises Error where it cannot be written, and for models with "
           "intervals.")
       .def(
-          "posed",
-          [](const PythonModel& self, const py::handle& by) {
-            const Pose moved = pose(by);
-            return PythonModel(verisq::posed(self.exact("moving a model"), moved),
-                               verisq::posed(self.landmarks(), moved), self.areas());
-          },
-          py::arg("pose"),
-          "posed(pose) -> Model\n\nThe model moved: seven numbers, translation in model units and quaternion\n"
-          "[w, x, y, z]. Its numbers are rounded to nearest: what is enclosed is of the model that they state. Raises\n"
+          "posed", [](const PythonModel& self, const py::handle& by) { return posed(self, pose(by)); }, py::arg("pose"),
+          "posed(pose) -> Model\n\nThe model moved: by seven numbers, translation in model units and quaternion\n"
+          "[w, x, y, z], or by what verisq.pose takes. Its numbers are rounded to nearest: what is enclosed is of the "
+          "model that they state. Raises\n"
           "Error for models with intervals.")
       .def_property_readonly(
           "units", [](const PythonModel& self) { return self.model().units; },
@@ -324,6 +340,16 @@ void declare_models(py::module_& module) {
           "Whether the model is the union of its primitives, none of them bent: others are\n"
           "searched.")
       .def("__repr__", representation_of_model)
+      .def(
+          "__eq__",
+          [](const PythonModel& self, const PythonModel& other) {
+            return self.identity() == other.identity() || dictionary(self).equal(dictionary(other));
+          },
+          py::is_operator(), "Whether they state the same numbers and names.")
+      .def("__hash__",
+           [](const PythonModel& self) {
+             return py::hash(py::make_tuple(self.model().units, py::tuple(py::cast(names(self))), self.bounding_radius()));
+           })
       .def(py::pickle([](const PythonModel& self) { return dictionary(self); },
                       [](const py::dict& description) { return from_dictionary(description); }));
 }
@@ -366,17 +392,19 @@ PythonMesh mesh_of_model(const PythonModel& model, double deviation) {
 
 Mesh mesh_or_cloud(py::handle object) {
   if (py::isinstance<PythonMesh>(object)) return object.cast<const PythonMesh&>().mesh;
-  return mesh(object, py::none());
+  return is_mesh(object) ? mesh_of(object) : mesh(object, py::none());
 }
 
 void declare_meshes(py::module_& module) {
   py::class_<PythonMesh>(
       module, "Mesh",
       "Mesh(vertices, triangles=None)\n\nVertices, an array of shape (N, 3), and triangles, indices\n"
-      "of shape (M, 3); without triangles it is a cloud. Both are copied. Raises ValueError for\n"
-      "other shapes and for indices that no vertex has, Error for coordinates that are not finite.")
+      "of shape (M, 3); without triangles it is a cloud. Or one argument: a mesh of trimesh, meshio, pyvista, VTK or\n"
+      "Open3D, which every function takes where it takes a Mesh. All are copied. Raises ValueError for\n"
+      "other shapes, polygons that are no triangles, and indices that no vertex has; Error for coordinates that are\n"
+      "not finite.")
       .def(py::init([](const py::handle& vertices, const py::handle& triangles) {
-             return PythonMesh{mesh(vertices, triangles)};
+             return PythonMesh{triangles.is_none() ? mesh_or_cloud(vertices) : mesh(vertices, triangles)};
            }),
            py::arg("vertices"), py::arg("triangles") = py::none())
       .def_static(
@@ -411,6 +439,7 @@ void declare_meshes(py::module_& module) {
             return py::make_tuple(copied(self.mesh.vertices), copied(self.mesh.triangles));
           },
           [](const py::tuple& parts) { return PythonMesh{mesh(parts[0], parts[1])}; }));
+  py::implicitly_convertible<MeshOfAnotherPackage, PythonMesh>();
   module.def(
       "mesh_of_model", mesh_of_model, py::arg("model"), py::arg("deviation"),
       "mesh_of_model(model, deviation) -> Mesh\n\nThe model's surface as a closed mesh, about so near to it, in\n"

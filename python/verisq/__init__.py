@@ -9,14 +9,14 @@ them. Distances of points are signed: positive outside, negative inside. A row t
 and valid.
 
 Models and meshes
-    Model, Mesh, mesh_of_model
+    Model, Mesh, mesh_of_model; meshes of trimesh, meshio, pyvista, VTK and Open3D are taken, too; pose
 Many queries, from arrays to arrays
     map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status;
     PoseUncertainty where a place is not exactly known
 Closest points, normals and gradients of many points; closest points of two models in many poses
     closest_points, ClosestPointMap; closest_pairs, ClosestPairMap
 One query, proven by the host
-    SignedDistance, distance, Enclosure; distance_along, PathDistance for a model that moves
+    SignedDistance, distance, Enclosure, Undecided; distance_along, PathDistance for a model that moves
 What proves an answer again
     Answer, Claim for certificate files of all kinds; Checker, Certificates, Findings, Verdict for rows of maps;
     certified_distance of two models, certified_distance_along a path
@@ -29,6 +29,8 @@ Stance
     StanceModel, Equilibrium, CertifiedEquilibrium, Stability, Motion, Bounce
 Femurs
     detect_femur, femur_features
+Pictures
+    plot, to_pyvista; Map.to_numpy, Map.to_frame
 Devices and errors
     devices, Error
 
@@ -39,6 +41,9 @@ import enum as _enum
 
 from . import _verisq
 from ._chunks import map_chunks
+from ._display import make_tables, plot, to_pyvista
+from ._enclosures import Undecided, make_numbers
+from ._objects import pose
 from ._verisq import (
     Answer,
     AreaClearance,
@@ -207,6 +212,7 @@ __all__ = [
     "StanceModel",
     "Status",
     "TriangleMapper",
+    "Undecided",
     "Verdict",
     "__version__",
     "certified_deviation",
@@ -232,16 +238,22 @@ __all__ = [
     "mesh_clearance",
     "mesh_of_model",
     "octree",
+    "plot",
+    "pose",
     "prove_containment",
     "recover",
     "removed_volume",
     "straight_path",
+    "to_pyvista",
 ]
+
+make_numbers()
+make_tables()
 
 # To users they are verisq.Model, verisq.map, whatever file they are in.
 for _name in __all__:
     _thing = globals()[_name]
-    if getattr(_thing, "__module__", None) == _verisq.__name__:
+    if getattr(_thing, "__module__", "").startswith(__name__ + "._"):
         try:
             _thing.__module__ = __name__
         except AttributeError:  # built-in functions keep theirs
