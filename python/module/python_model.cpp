@@ -348,7 +348,8 @@ void declare_models(py::module_& module) {
           py::is_operator(), "Whether they state the same numbers and names.")
       .def("__hash__",
            [](const PythonModel& self) {
-             return py::hash(py::make_tuple(self.model().units, py::tuple(py::cast(names(self))), self.bounding_radius()));
+             return py::hash(
+                 py::make_tuple(self.model().units, py::tuple(py::cast(names(self))), self.bounding_radius()));
            })
       .def(py::pickle([](const PythonModel& self) { return dictionary(self); },
                       [](const py::dict& description) { return from_dictionary(description); }));
