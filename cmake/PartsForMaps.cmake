@@ -2,8 +2,8 @@
 # verisq_NAME. The part verisq_NAME_for_maps is compiled once, and linked by the library and by the demo, which builds
 # nothing else. Sources of a batch are compiled as one, which saves the compiler their common headers and templates.
 #
-# Sources that prove stay alone: in verify/proof a name of one file cannot be taken for that of another. For those of
-# verify/search a test makes sure of it.
+# Sources of verify/proof stay alone: there a name of one file cannot be taken for that of another. In verify/search a
+# test makes sure of it.
 function(verisq_part_for_maps name)
   set(part verisq_${name}_for_maps)
   add_library(${part} OBJECT)

@@ -127,7 +127,9 @@ std::vector<std::array<std::int64_t, 3>> corners_of(const py::handle& object) {
 }  // namespace
 
 bool is_mesh(py::handle object) {
-  return !py::isinstance<py::array>(object) && reader("is_mesh")(object).cast<bool>();
+  if (py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object) || py::hasattr(object, "__array__"))
+    return false;
+  return py::hasattr(object, "vertices") || py::hasattr(object, "points") || py::hasattr(object, "GetPoints");
 }
 
 Mesh mesh_of(py::handle object) {

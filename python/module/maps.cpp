@@ -316,7 +316,9 @@ PythonMap map(const PythonModel& unmoved, const py::handle& object, const py::ha
               const std::optional<double>& tolerance, const std::string& device, double point_radius,
               const std::optional<double>& time_limit, bool certificates, const MaybeUncertain& pose_uncertainty) {
   const Queries<Query> queries(object);
-  const PythonModel model = by.is_none() ? unmoved : posed(unmoved, pose(by));
+  std::optional<PythonModel> moved;
+  if (!by.is_none()) moved = posed(unmoved, pose(by));
+  const PythonModel& model = moved ? *moved : unmoved;
   const Settings settings = settings_of(model.bounding_radius(), tolerance, device_for(queries.size(), device),
                                         certificates, point_radius, pose_uncertainty, time_limit);
   if (settings.device == "host") return (*mapper<Query>(model, settings))(queries);
@@ -415,7 +417,8 @@ void declare_maps(py::module_& module) {
       "points: shape (N, 3), in model units; nothing else may write there meanwhile. float64 is read where it lies,\n"
       "    whatever its strides; float32, float16, other byte orders and integers are widened exactly, into a copy.\n"
       "    A mesh, of this or another package, stands for its vertices.\n"
-      "pose: moves the model first, as Model.posed(pose) does; a Checker proves the rows of that model.\n"
+      "pose: moves the model first, as Model.posed(pose) does, whose rounded numbers are what the rows are proven of;\n"
+      "    a Checker needs that model.\n"
       "tolerance: rows at most as wide are verified, in model units; 0 asks for the tightest. Default: 1e-6 of the\n"
       "    model's bounding_radius.\n"
       "device: \"auto\" (the host for up to 128 rows), \"host\", an index as text or a part of a device's name.\n"

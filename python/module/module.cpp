@@ -21,7 +21,7 @@ namespace {
 namespace py = pybind11;
 
 constexpr const char* explanation =
-    "What verisq refuses or fails at: one line, that of the command line. It is a ValueError and an OSError, too.\n\n"
+    "A refusal or failure of verisq: one line, that of the command line. It is a ValueError and an OSError, too.\n\n"
     "kind: \"input\" for a file, value or option that the caller can correct; \"failure\" where the program, a device\n"
     "or the file system failed.";
 

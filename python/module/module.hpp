@@ -134,7 +134,7 @@ auto without_lock(const Work& work) {
 
 // NumPy arrays as queries: where they lie if they are binary64, else widened where that is exact.
 
-/// Whether it is a mesh or cloud, of this or another package: python/verisq/_objects.py knows them by their members.
+/// Returns whether it is a mesh or cloud, of this or another package: python/verisq/_objects.py reads it then.
 [[nodiscard]] bool is_mesh(pybind11::handle object);
 
 /// Precondition: is_mesh. Throws ValueError for polygons that are no triangles, and as `mesh`.
@@ -239,7 +239,7 @@ struct PythonMesh {
   Mesh mesh;
 };
 
-/// What stands for a mesh: one of this or another package, or an array of points (N, 3): a cloud.
+/// A mesh of this or another package; or an array of points (N, 3), which is a cloud.
 [[nodiscard]] Mesh mesh_or_cloud(pybind11::handle object);
 
 // The class verisq.Answer, which certified results of all kinds become.

@@ -22,7 +22,7 @@
 namespace verisq::python {
 namespace {
 
-/// A mesh that Python's argument is, and this module's class is made of.
+/// Stands for a mesh of another package: pybind11 makes a PythonMesh of it where a function takes one.
 struct MeshOfAnotherPackage {};
 
 }  // namespace
@@ -345,7 +345,7 @@ void declare_models(py::module_& module) {
           [](const PythonModel& self, const PythonModel& other) {
             return self.identity() == other.identity() || dictionary(self).equal(dictionary(other));
           },
-          py::is_operator(), "Whether they state the same numbers and names.")
+          py::is_operator(), "True if they state the same numbers and names.")
       .def("__hash__",
            [](const PythonModel& self) {
              return py::hash(

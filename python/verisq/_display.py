@@ -14,7 +14,7 @@ from ._verisq import Map
 #: One row of Map.to_numpy().
 ROW = np.dtype([("lo", np.float64), ("hi", np.float64), ("status", np.uint8)])
 
-#: Of the picture in a notebook: how many bars, and how wide and high it is in pixels.
+#: The picture in a notebook: how many bars it has, how wide and high it is in pixels.
 BARS, WIDTH, HEIGHT = 40, 400, 80
 
 
@@ -35,7 +35,7 @@ def to_frame(self: Map) -> Any:
 def _histogram(self: Map) -> str:
     """Bars of how many rows have their lower end where: SVG."""
     known = self.lo[np.isfinite(self.lo)]
-    if not len(known):
+    if not len(known) or not np.isfinite(known.max() - known.min()):
         return ""
     counts, edges = np.histogram(known, bins=BARS)
     step = WIDTH / BARS
@@ -52,30 +52,44 @@ def _histogram(self: Map) -> str:
 
 
 def _repr_html_(self: Map) -> str:
-    """What Jupyter shows: counts, the smallest distance, and a histogram of the proven lower ends."""
-    smallest = "" if self.smallest is None else f"<br>smallest: [{self.smallest.lo:.6g}, {self.smallest.hi:.6g}]"
+    """For Jupyter: counts, the smallest distance, and a histogram of the proven lower ends."""
+    smallest = "" if self.smallest is None else f"<br>smallest: {self.smallest:.6g}"
     return (
         f"<div><b>verisq.Map</b>: {len(self)} rows, {self.wide} wider than {self.tolerance:.3g}, "
         f"by {escape(self.device)}{smallest}<br>{_histogram(self)}"
-        "<br><small>how many rows have their proven lower end where; red: below 0, perhaps inside</small></div>"
+        "<br><small>how many rows have their proven lower end where; red: some of them are not proven outside</small></div>"
     )
 
 
-def _face_values(values: NDArray[np.float64], points: NDArray[Any], triangles: NDArray[Any]) -> NDArray[np.float64]:
-    """One value a triangle: its own, or the smallest of its vertices."""
-    if len(values) == len(triangles):
-        return values
-    if len(values) == len(points):
-        return values[triangles].min(axis=1)
-    raise ValueError(f"{len(values)} rows are neither those of {len(points)} vertices nor of {len(triangles)} triangles")
+def _are_of_triangles(rows: int, points: NDArray[Any], triangles: NDArray[Any], on: str | None) -> bool:
+    """Whether there is a row a triangle, not one a vertex. Raises ValueError where that is neither, or not clear."""
+    fitting = [name for name, count in (("vertices", len(points)), ("triangles", len(triangles))) if rows == count]
+    if on in fitting:
+        return on == "triangles"
+    if on is not None or not fitting:
+        raise ValueError(
+            f"{rows} rows are not those of {on or 'vertices or triangles'}: "
+            f"there are {len(points)} vertices and {len(triangles)} triangles"
+        )
+    if len(fitting) == 2:
+        raise ValueError(f"{rows} vertices and as many triangles: say on='vertices' or on='triangles'")
+    return fitting == ["triangles"]
 
 
-def plot(mesh: Any, distances: Map | ArrayLike | None = None, *, ax: Any = None, label: str = "distance") -> Any:
+def plot(
+    mesh: Any,
+    distances: Map | ArrayLike | None = None,
+    *,
+    on: str | None = None,
+    ax: Any = None,
+    label: str = "distance",
+) -> Any:
     """Draws a mesh, coloured by what is proven of it, with matplotlib.
 
     mesh: a Mesh, or one of trimesh, meshio, pyvista, VTK or Open3D. distances: a Map of its vertices or of its
     triangles, whose lower ends are drawn, so that nothing looks farther away than is proven; or numbers. A triangle
-    shows the smallest of its vertices, which says nothing of what lies between them. ax: matplotlib's 3D axes, made
+    shows the smallest of its vertices, which says nothing of what lies between them. on: "vertices" or "triangles",
+    where there are as many of both. ax: matplotlib's 3D axes, made
     anew without. Returns the axes. Many triangles are slow: pyvista draws millions (to_pyvista).
     """
     import matplotlib.pyplot as plt
@@ -91,7 +105,8 @@ def plot(mesh: Any, distances: Map | ArrayLike | None = None, *, ax: Any = None,
         drawn.set_facecolor("lightgray")
     else:
         values = distances.lo if isinstance(distances, Map) else np.asarray(distances, np.float64)
-        drawn.set_array(_face_values(values, points, triangles))
+        is_of_triangles = _are_of_triangles(len(values), points, triangles, on)
+        drawn.set_array(values if is_of_triangles else values[triangles].min(axis=1))
         drawn.set_cmap("viridis")
         ax.figure.colorbar(drawn, ax=ax, shrink=0.7, label=label)
     ax.add_collection3d(drawn)
@@ -101,20 +116,21 @@ def plot(mesh: Any, distances: Map | ArrayLike | None = None, *, ax: Any = None,
     return ax
 
 
-def to_pyvista(mesh: Any, distances: Map | None = None) -> Any:
+def to_pyvista(mesh: Any, distances: Map | None = None, *, on: str | None = None) -> Any:
     """The mesh as pyvista.PolyData, with the arrays lo, hi and status of a Map. Needs pyvista.
 
-    to_pyvista(bone, verisq.map(stem, bone)).plot(scalars="lo") draws it.
+    to_pyvista(bone, verisq.map(stem, bone)).plot(scalars="lo") draws it. on: as in plot().
     """
     import pyvista
 
     points, triangles = _objects.mesh(mesh)
-    faces = np.empty((0,), np.int64)
-    if triangles is not None:
-        faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+    if triangles is None:
+        triangles = np.empty((0, 3), np.int64)
+    faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
     drawn = pyvista.PolyData(np.asarray(points, np.float64), faces)
     if distances is not None:
-        data = drawn.cell_data if triangles is not None and len(distances) == len(triangles) else drawn.point_data
+        is_of_triangles = _are_of_triangles(len(distances), points, triangles, on)
+        data = drawn.cell_data if is_of_triangles else drawn.point_data
         for name in ("lo", "hi", "status"):
             data[name] = getattr(distances, name)
     return drawn

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from numbers import Rational
@@ -50,46 +51,44 @@ def _rounded(near: float, exact: Fraction, *, down: bool) -> float:
     return near
 
 
-def _applied(
-    near: Callable[[float, float], float],
-    exact: Callable[[Fraction, Fraction], Fraction],
-    a: float,
-    b: float,
-    *,
-    down: bool,
-) -> float:
-    """One operation of two ends, of which infinite ones are limits."""
-    value = near(a, b)
+def _applied(operation: Callable[[Any, Any], Any], a: float, b: float, *, down: bool) -> float:
+    """One operation of two ends, of which infinite ones are limits, rounded to that side."""
+    value = operation(a, b)
     if math.isnan(value):  # infinity less infinity: nothing is known
         return -math.inf if down else math.inf
     if math.isinf(a) or math.isinf(b):
         return value
-    return _rounded(value, exact(Fraction(a), Fraction(b)), down=down)
+    return _rounded(value, operation(Fraction(a), Fraction(b)), down=down)
+
+
+def _of_all_ends(operation: Callable[[Any, Any], Any], a: tuple[float, float], b: tuple[float, float]) -> Enclosure:
+    """The hull of the operation's results for the four pairs of ends: right where it is monotone in each operand."""
+    pairs = [(x, y) for x in a for y in b]
+    return Enclosure(
+        min(_applied(operation, x, y, down=True) for x, y in pairs),
+        max(_applied(operation, x, y, down=False) for x, y in pairs),
+    )
 
 
 def _sum(a: tuple[float, float], b: tuple[float, float]) -> Enclosure:
-    add = lambda x, y: x + y
-    return Enclosure(_applied(add, add, a[0], b[0], down=True), _applied(add, add, a[1], b[1], down=False))
+    return Enclosure(
+        _applied(operator.add, a[0], b[0], down=True), _applied(operator.add, a[1], b[1], down=False)
+    )
 
 
 def _product(a: tuple[float, float], b: tuple[float, float]) -> Enclosure:
-    multiply = lambda x, y: x * y if x and y else type(x)(0)  # 0 times a limit is 0
-    lower = [_applied(multiply, multiply, x, y, down=True) for x in a for y in b]
-    upper = [_applied(multiply, multiply, x, y, down=False) for x in a for y in b]
-    return Enclosure(min(lower), max(upper))
+    # 0 times a limit is 0.
+    return _of_all_ends(lambda x, y: x * y if x and y else type(x)(0), a, b)
 
 
 def _quotient(a: tuple[float, float], b: tuple[float, float]) -> Enclosure:
     if b[0] <= 0.0 <= b[1]:
         raise ZeroDivisionError(f"the divisor's enclosure contains 0: [{b[0]}, {b[1]}]")
-    divide = lambda x, y: x / y
-    lower = [_applied(divide, divide, x, y, down=True) for x in a for y in b]
-    upper = [_applied(divide, divide, x, y, down=False) for x in a for y in b]
-    return Enclosure(min(lower), max(upper))
+    return _of_all_ends(operator.truediv, a, b)
 
 
-def _negative(a: tuple[float, float]) -> tuple[float, float]:
-    return -a[1], -a[0]
+def _difference(a: tuple[float, float], b: tuple[float, float]) -> Enclosure:
+    return _sum(a, (-b[1], -b[0]))
 
 
 def _operator(operation: Callable[[Any, Any], Enclosure], *, reflected: bool = False) -> Callable[[Any, Any], Any]:
@@ -138,7 +137,7 @@ def _end_as_text(end: float, spec: str, rounding: str) -> str:
     _, _, digits = spec[:-1].rpartition(".")
     precision = int(digits) if "." in spec else 6
     if kind in "fF":
-        exact = Context(prec=400, rounding=rounding)
+        exact = Context(prec=400 + precision, rounding=rounding)  # binary64 has 309 digits before the point
         return format(exact.quantize(Decimal(end), Decimal(1).scaleb(-precision)), spec)
     significant = precision + 1 if kind in "eE" else max(precision, 1)
     return format(Context(prec=significant, rounding=rounding).create_decimal(Decimal(end)), spec)
@@ -152,8 +151,7 @@ def _format(self: Enclosure, spec: str) -> str:
 
 def make_numbers() -> None:
     """Adds all of it to the class, whose ends the compiled part keeps."""
-    subtract = lambda a, b: _sum(a, _negative(b))
-    for name, operation in (("add", _sum), ("sub", subtract), ("mul", _product), ("truediv", _quotient)):
+    for name, operation in (("add", _sum), ("sub", _difference), ("mul", _product), ("truediv", _quotient)):
         setattr(Enclosure, f"__{name}__", _operator(operation))
         setattr(Enclosure, f"__r{name}__", _operator(operation, reflected=True))
     Enclosure.__neg__ = lambda self: Enclosure(-self.hi, -self.lo)

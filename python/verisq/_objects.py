@@ -1,6 +1,6 @@
 """Objects of other packages as arrays: meshes of trimesh, meshio, pyvista, VTK and Open3D, poses as matrices.
 
-They are known by what they have, so that none of those packages is needed.
+Their members tell what they are, so that none of those packages is needed.
 """
 
 from __future__ import annotations
@@ -12,13 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 #: How far the rotation of a 4 x 4 matrix may be from a rotation, in each number of R^T R.
 MOST_DISTORTION = 1e-6
-
-
-def is_mesh(thing: Any) -> bool:
-    """Whether it has vertices of some name, and is no array or table itself."""
-    if isinstance(thing, (list, tuple)) or hasattr(thing, "__array__"):
-        return False
-    return any(hasattr(thing, name) for name in ("vertices", "points", "GetPoints"))
 
 
 def vertices(thing: Any) -> NDArray[Any]:
@@ -45,10 +38,14 @@ def pose(thing: Any) -> NDArray[np.float64]:
     """A pose as seven numbers: translation, and quaternion [w, x, y, z].
 
     thing: seven numbers; a rigid 4 x 4 matrix, of NumPy or VTK; a Rotation of SciPy; or a pair of a rotation (SciPy's,
-    or 3 x 3) and a translation. What verisq encloses is exact for these seven numbers: a matrix differs from them by
-    its rounding. Raises ValueError for a matrix that scales, shears or mirrors.
+    or 3 x 3) and a translation. `distance` and `map_poses` are exact for these seven numbers, from which a matrix
+    differs by its rounding; Model.posed and pose= round the moved model once more. Raises ValueError for a matrix that
+    scales, shears or mirrors, and for more than one pose.
     """
-    return poses(_one(thing))[0]
+    found = poses(_one(thing))
+    if found.shape != (1, 7):
+        raise ValueError(f"a pose must be an array of shape (7,) or (4, 4), not {np.shape(_one(thing))[1:]}")
+    return found[0]
 
 
 def poses(thing: Any) -> NDArray[np.float64]:
@@ -66,6 +63,8 @@ def poses(thing: Any) -> NDArray[np.float64]:
 def _one(thing: Any) -> Any:
     """The same as a stack of one."""
     if hasattr(thing, "as_quat"):
+        if np.ndim(thing.as_quat()) != 1:
+            raise ValueError(f"a pose must be one rotation, not {len(thing)}")
         return thing
     if hasattr(thing, "GetElement"):  # VTK's
         return np.array([[[thing.GetElement(i, j) for j in range(4)] for i in range(4)]])
@@ -119,6 +118,8 @@ def _triangles(thing: Any) -> NDArray[Any] | None:
         if (np.diff(ends) != 3).any():
             raise ValueError(f"{_name(thing)} has polygons that are no triangles: triangulate it")
         return _of_vtk(polygons.GetConnectivityArray()).reshape(-1, 3)
+    if hasattr(thing, "GetCells"):  # VTK's grids, and pyvista's
+        raise ValueError(f"{_name(thing)} is no surface: extract it")
     for name in ("faces", "triangles"):  # trimesh's and Open3D's
         if hasattr(thing, name):
             return np.asarray(getattr(thing, name))

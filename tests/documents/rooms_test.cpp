@@ -166,47 +166,69 @@ std::vector<std::vector<std::string>> batches_of_search() {
   return batches;
 }
 
-std::string code_of(const std::string& file) {
-  std::ifstream in(root / file);
+/// A source as text without comments, and the functions of its unnamed namespaces, which begin their lines.
+struct BatchedSource {
+  std::string file;
   std::string code;
-  for (std::string line; std::getline(in, line);) code += line.substr(0, line.find("//")) + "\n";
-  return code;
-}
+  std::set<std::string> private_functions;
+  bool has_using_directive = false;  ///< outside of functions
+};
 
-/// The functions of its unnamed namespaces, at whose lines' beginning they stand.
-std::set<std::string> private_functions_of(const std::string& file) {
+BatchedSource read_source(const std::string& file) {
   static const std::regex declaration(R"(^[A-Za-z_\[][^=(]*[\w>&*\]] ?[&*]*\b(\w+)\(.*)");
-  std::set<std::string> names;
+  BatchedSource source{.file = file, .code = {}, .private_functions = {}};
   std::ifstream in(root / file);
   bool is_private = false;
   for (std::string line; std::getline(in, line);) {
     if (line == "namespace {") is_private = true;
     if (line == "}  // namespace") is_private = false;
     std::smatch match;
-    if (is_private && std::regex_match(line, match, declaration)) names.insert(match[1]);
+    if (is_private && std::regex_match(line, match, declaration)) source.private_functions.insert(match[1]);
+    source.has_using_directive = source.has_using_directive || line.starts_with("using namespace");
+    source.code += line.substr(0, line.find("//")) + "\n";
   }
-  return names;
+  return source;
 }
 
-/// Otherwise a call might choose, of two functions of one name, that of the other file.
+std::vector<BatchedSource> read_batch(const std::vector<std::string>& files) {
+  std::vector<BatchedSource> sources;
+  for (const std::string& file : files) sources.push_back(read_source(file));
+  return sources;
+}
+
+/// A call of a function that two files have would choose one of them: perhaps the other file's.
 TEST(BatchesTest, CallNoPrivateFunctionOfEachOther) {
   const auto batches = batches_of_search();
   ASSERT_GT(batches.size(), 5U);
   std::size_t functions = 0;
-  for (const std::vector<std::string>& batch : batches) {
+  for (const std::vector<std::string>& files : batches) {
+    const std::vector<BatchedSource> batch = read_batch(files);
     ASSERT_GT(batch.size(), 1U);
-    for (const std::string& file : batch) {
-      for (const std::string& name : private_functions_of(file)) {
-        ++functions;
+    for (const BatchedSource& source : batch) {
+      functions += source.private_functions.size();
+      for (const std::string& name : source.private_functions) {
         const std::regex call("(^|[^\\w.>:~])" + name + "\\(");
-        for (const std::string& other : batch) {
-          if (other == file) continue;
-          EXPECT_FALSE(std::regex_search(code_of(other), call)) << other << " and " << file << ": " << name;
+        for (const BatchedSource& other : batch) {
+          if (&other == &source) continue;
+          EXPECT_FALSE(std::regex_search(other.code, call)) << other.file << " and " << source.file << ": " << name;
         }
       }
     }
   }
   EXPECT_GT(functions, 100U);
+}
+
+/// It would hold for the sources that follow.
+TEST(BatchesTest, HaveUsingDirectivesInTheirLastSourceAlone) {
+  std::size_t directives = 0;
+  for (const std::vector<std::string>& files : batches_of_search()) {
+    const std::vector<BatchedSource> batch = read_batch(files);
+    for (const BatchedSource& source : batch) {
+      directives += source.has_using_directive ? 1 : 0;
+      EXPECT_TRUE(!source.has_using_directive || &source == &batch.back()) << source.file;
+    }
+  }
+  EXPECT_GT(directives, 0U);
 }
 
 TEST(RoomsTest, HoldEveryFile) {

@@ -1,4 +1,4 @@
-"""What other packages have is taken as it comes: meshes, matrices, rotations; enclosures count; maps become tables."""
+"""Objects of other packages: meshes, matrices, rotations; enclosures as numbers; maps as tables and pictures."""
 
 import math
 import pickle
@@ -85,6 +85,11 @@ class MeshesOfOtherPackages(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "triangles name vertex 8 of 8"):
             verisq.Mesh(trimesh_like(faces=[[0, 1, 8]]))
 
+    def test_a_grid_is_no_cloud(self):
+        grid = types.SimpleNamespace(points=CORNERS, GetCells=lambda: None)
+        with self.assertRaisesRegex(ValueError, "is no surface: extract it"):
+            verisq.Mesh(grid)
+
     def test_what_is_no_mesh_is_refused(self):
         for thing in ("bone.stl", 3, {"vertices": CORNERS}, None):
             with self.assertRaises((TypeError, ValueError)):
@@ -130,6 +135,9 @@ class PosesOfOtherPackages(unittest.TestCase):
                        np.full((4, 4), np.nan), np.eye(4) + np.eye(4, k=1) * 1e-3):
             with self.assertRaisesRegex(ValueError, "pose 0: a matrix must turn and move"):
                 verisq.pose(change)
+        for several in (np.tile(np.eye(4), (3, 1, 1)), Rotation.random(3), np.zeros((3, 7)), np.zeros(6), np.eye(3)):
+            with self.assertRaisesRegex(ValueError, "a pose must be"):
+                verisq.pose(several)
         stack = np.tile(np.eye(4), (3, 1, 1))
         stack[2] *= 2
         with self.assertRaisesRegex(ValueError, "pose 2: a matrix must"):
@@ -237,8 +245,21 @@ class MapsAsTables(unittest.TestCase):
         drawn = axes.collections[0].get_array()
         np.testing.assert_array_equal(drawn, self.map.lo[FACES].min(axis=1))
         verisq.plot(self.mesh)
-        with self.assertRaisesRegex(ValueError, "3 rows are neither"):
+        with self.assertRaisesRegex(ValueError, "3 rows are not those of vertices or triangles"):
             verisq.plot(self.mesh, [1.0, 2.0, 3.0])
+
+    def test_a_plot_asks_where_rows_fit_vertices_and_triangles(self):
+        import matplotlib
+        matplotlib.use("Agg")
+        tetrahedron = trimesh_like(CORNERS[[0, 3, 5, 6]], np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))
+        rows = [1.0, 2.0, 3.0, 4.0]
+        with self.assertRaisesRegex(ValueError, "4 vertices and as many triangles: say on="):
+            verisq.plot(tetrahedron, rows)
+        drawn = {on: verisq.plot(tetrahedron, rows, on=on).collections[0].get_array().tolist()
+                 for on in ("vertices", "triangles")}
+        self.assertEqual(drawn, {"vertices": [1.0, 1.0, 1.0, 2.0], "triangles": rows})
+        with self.assertRaisesRegex(ValueError, "8 rows are not those of triangles"):
+            verisq.plot(self.mesh, self.map, on="triangles")
 
 
 class ModelsAndErrors(unittest.TestCase):

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Makes the site of the documentation: site.py ROOT BUILD OUT, with the programs and the Python package of BUILD
+"""Makes the site of the documentation: docs_site.py BUILD, where the programs and the Python package are built
 
-OUT/pages holds what mkdocs reads: README.md and docs/ as they are, the sources that they link to, and two pages made
-here, of the programs' help texts and of Python's docstrings. OUT/site is the site. Fails for a link that leads nowhere.
+build/docs/pages holds README.md and docs/ as they are, the sources that they link to, and two pages made here: the
+programs' help texts and Python's docstrings. mkdocs makes build/docs/site of them (mkdocs.yml). Fails for a link that
+leads nowhere.
 """
 
 import html
@@ -16,22 +17,27 @@ import subprocess
 import sys
 import urllib.parse
 
+import help_text
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGES_FOLDER = ROOT / "build" / "docs" / "pages"
+SITE = ROOT / "build" / "docs" / "site"
 PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"]
 LINK = re.compile(r"\]\(([^)\s#]+)")
 
 
-def linked_files(page: pathlib.Path, root: pathlib.Path) -> list[pathlib.Path]:
-    """What it links to in the repository: files and folders, relative to the root."""
+def linked_files(page: pathlib.Path) -> list[pathlib.Path]:
+    """The files and folders of the repository that it links to, relative to the root."""
     found = []
     for target in LINK.findall(page.read_text()):
         if "://" not in target and not target.startswith("mailto:"):
-            found.append((page.parent / target).resolve().relative_to(root))
+            found.append((page.parent / target).resolve().relative_to(ROOT))
     return found
 
 
-def copy(name: pathlib.Path, root: pathlib.Path, pages: pathlib.Path) -> None:
+def copy(name: pathlib.Path) -> None:
     """A file, or a folder as a page that lists its files. Sources open in a browser as the text that they are."""
-    source, target = root / name, pages / name
+    source, target = ROOT / name, PAGES_FOLDER / name
     if source.is_dir():
         target.mkdir(parents=True, exist_ok=True)
         names = sorted(entry.name + "/" * entry.is_dir() for entry in source.iterdir())
@@ -42,10 +48,10 @@ def copy(name: pathlib.Path, root: pathlib.Path, pages: pathlib.Path) -> None:
     shutil.copyfile(source, target)
 
 
-def put_together(root: pathlib.Path, pages: pathlib.Path) -> None:
-    shutil.rmtree(pages, ignore_errors=True)
+def put_together() -> None:
+    shutil.rmtree(PAGES_FOLDER, ignore_errors=True)
     open_pages = [pathlib.Path(name) for name in PAGES] + sorted(
-        path.relative_to(root) for path in (root / "docs").iterdir()
+        path.relative_to(ROOT) for path in (ROOT / "docs").iterdir()
     )
     done: set[pathlib.Path] = set()
     while open_pages:
@@ -53,27 +59,27 @@ def put_together(root: pathlib.Path, pages: pathlib.Path) -> None:
         if name in done:
             continue
         done.add(name)
-        copy(name, root, pages)
+        copy(name)
         if name.suffix == ".md":
-            open_pages += linked_files(root / name, root)
+            open_pages += linked_files(ROOT / name)
+
+
+def help_of(program: pathlib.Path, *command: str) -> str:
+    shown = subprocess.run([program, *command, "--help"], capture_output=True, text=True, check=True).stdout
+    return f"\n```text\n{shown}```\n"
 
 
 def help_page(build: pathlib.Path) -> str:
-    """What every program and command prints for --help."""
-    import help_text
-
+    """The help texts of every program and command."""
     text = "# Help texts\n"
     for program in ("verisq", "verisq-check", "verisq-surface", "verisq-mpi"):
         if not (build / program).exists():
             continue
-        ask = lambda *words: subprocess.run(
-            [build / program, *words, "--help"], capture_output=True, text=True, check=True
-        ).stdout
-        text += f"\n## {program}\n\n```text\n{ask()}```\n"
+        text += f"\n## {program}\n" + help_of(build / program)
         for command in help_text.ask(str(build / program), program).commands:
             name = command.names[0]
             if name != "help":
-                text += f"\n### {program} {name}\n\n```text\n{ask(name)}```\n"
+                text += f"\n### {program} {name}\n" + help_of(build / program, name)
     return text
 
 
@@ -119,9 +125,9 @@ class Links(html.parser.HTMLParser):
                 self.targets.append(value)
 
 
-def broken_links(site: pathlib.Path) -> list[str]:
+def broken_links() -> list[str]:
     """Those that lead to no file, or to no anchor of a page."""
-    pages = {page: Links(page) for page in site.rglob("*.html") if page.name != "404.html"}
+    pages = {page: Links(page) for page in SITE.rglob("*.html") if page.name != "404.html"}
     broken = []
     for page, links in pages.items():
         for target in links.targets:
@@ -133,24 +139,22 @@ def broken_links(site: pathlib.Path) -> list[str]:
                 file /= "index.html"
             has_anchor = not parts.fragment or file not in pages or parts.fragment in pages[file].anchors
             if not file.exists() or not has_anchor:
-                broken.append(f"{page.relative_to(site)}: {target}")
+                broken.append(f"{page.relative_to(SITE)}: {target}")
     return broken
 
 
-def main(root: pathlib.Path, build: pathlib.Path, out: pathlib.Path) -> None:
-    pages = out / "pages"
-    put_together(root, pages)
-    (pages / "wide.css").write_text(".md-grid { max-width: 85rem; }\n")  # sources and docstrings have 120 columns
-    (pages / "reference").mkdir()
-    (pages / "reference" / "help.md").write_text(help_page(build))
-    (pages / "reference" / "python.md").write_text(python_page(build))
-    subprocess.run(["mkdocs", "build", "--quiet", "--strict", "--clean"], cwd=root, check=True)
-    broken = broken_links(out / "site")
-    if broken:
+def main(build: pathlib.Path) -> None:
+    put_together()
+    (PAGES_FOLDER / "wide.css").write_text(".md-grid { max-width: 85rem; }\n")  # sources have 120 columns
+    (PAGES_FOLDER / "reference").mkdir()
+    (PAGES_FOLDER / "reference" / "help.md").write_text(help_page(build))
+    (PAGES_FOLDER / "reference" / "python.md").write_text(python_page(build))
+    subprocess.run(["mkdocs", "build", "--quiet", "--strict", "--clean"], cwd=ROOT, check=True)
+    if broken := broken_links():
         sys.exit("links that lead nowhere:\n  " + "\n  ".join(broken))
-    count = len(list((out / "site").rglob("*.html")))
-    print(f"site: {count} pages, all links lead somewhere; open {os.path.relpath(out / 'site' / 'index.html')}")
+    count = len(list(SITE.rglob("*.html")))
+    print(f"site: {count} pages, all links lead somewhere; open {os.path.relpath(SITE / 'index.html')}")
 
 
 if __name__ == "__main__":
-    main(*(pathlib.Path(argument).resolve() for argument in sys.argv[1:4]))
+    main(pathlib.Path(sys.argv[1]).resolve())
