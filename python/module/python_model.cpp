@@ -224,7 +224,7 @@ std::uint64_t next_identity() {
 
 PythonModel::PythonModel(UncertainModel model, FemurLandmarks landmarks, std::vector<AreaBox> areas)
     : model_(std::move(model)),
-      landmarks_(std::move(landmarks)),
+      landmarks_(landmarks),
       areas_(std::move(areas)),
       largest_(bracket(model_).largest),
       bounding_radius_(verisq::bounding_radius(largest_)),

@@ -82,7 +82,7 @@ def plot(
     *,
     on: str | None = None,
     ax: Any = None,
-    label: str = "distance",
+    label: str | None = None,
 ) -> Any:
     """Draws a mesh, coloured by what is proven of it, with matplotlib.
 
@@ -108,7 +108,7 @@ def plot(
         is_of_triangles = _are_of_triangles(len(values), points, triangles, on)
         drawn.set_array(values if is_of_triangles else values[triangles].min(axis=1))
         drawn.set_cmap("viridis")
-        ax.figure.colorbar(drawn, ax=ax, shrink=0.7, label=label)
+        ax.figure.colorbar(drawn, ax=ax, shrink=0.7, label=label or "lower end of the distance")
     ax.add_collection3d(drawn)
     low, high = points.min(axis=0), points.max(axis=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))

@@ -1113,7 +1113,7 @@ def plot(
     *,
     on: Literal["vertices", "triangles"] | None = None,
     ax: Any = None,
-    label: str = "distance",
+    label: str | None = None,
 ) -> Any: ...
 def to_pyvista(
     mesh: Any, distances: Map | None = None, *, on: Literal["vertices", "triangles"] | None = None

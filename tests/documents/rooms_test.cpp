@@ -192,6 +192,7 @@ BatchedSource read_source(const std::string& file) {
 
 std::vector<BatchedSource> read_batch(const std::vector<std::string>& files) {
   std::vector<BatchedSource> sources;
+  sources.reserve(files.size());
   for (const std::string& file : files) sources.push_back(read_source(file));
   return sources;
 }
